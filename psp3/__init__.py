@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     )
     from psp3.errors import PSP3Error as PSP3Error
     from psp3.export.face import export_c as export_c
+    from psp3.export.fmu import export_fmu as export_fmu
     from psp3.fuzzy_control.adaptive import (
         AdaptiveFuzzyComputedTorque as AdaptiveFuzzyComputedTorque,
     )

@@ -19,7 +19,7 @@ Drive FeedForward FuzzyComputedTorque
         GravityCompensatedPD LinearQuadraticRegulator Monitor MuJoCo NaturalOrthogonalComplement \
 PSP3Error Parameters Pose Result Run
         SingularityAnalysis Study TaskSpaceComputedTorque TimeVaryingLinearQuadraticRegulator \
-Workspace exciting_motion export_c
+Workspace exciting_motion export_c export_fmu
         forward_dynamics_derivatives grid identify inverse_dynamics_derivatives linearize load \
 load_result simulate statistics to_mjcf
         symbolic trajectories with_payload
@@ -65,6 +65,7 @@ InvalidValue JointLimitExceeded
 NoStabilizingSolution NoThreshold NotTrained OpenLoops
         OverlappingShapes PSP3Error PoorExcitation RunsFailed SchedulerUnavailable \
 SimulationDiverged SimulationStopped
+        SourceOnlyFMU
         SingularConfiguration StrokeExceeded StudyFileNotWritable StudyInUse StudyInterrupted \
 StudyMismatch UncertainRank
         UnexportableJoint UnknownName UnknownRobot UnphysicalInertia UnreachablePose \

@@ -20,6 +20,13 @@ app = typer.Typer(
     ),
 )
 
+export = typer.Typer(
+    name="export",
+    no_args_is_help=True,
+    help="Write a robot, a controller or a fuzzy system for other programs.",
+)
+"""The commands ``psp3 export ...``, a group."""
+
 
 def _version(wanted: bool) -> None:
     if wanted:

@@ -13,10 +13,11 @@ import sys
 
 import typer
 
-from psp3.cli.app import app
+from psp3.cli.app import app, export
 from psp3.cli.commands.benchmark import benchmark
 from psp3.cli.commands.check import check
 from psp3.cli.commands.dynamics import dynamics
+from psp3.cli.commands.export_fmu import fmu
 from psp3.cli.commands.info import info
 from psp3.cli.commands.pose import pose
 from psp3.cli.commands.reproduce import reproduce
@@ -34,6 +35,8 @@ for command in (reproduce, simulate, train, study, benchmark, torques, pose, dyn
     app.command()(command)
 for command in (view, check, info):
     app.command()(command)
+export.command()(fmu)
+app.add_typer(export)
 
 
 def main() -> None:

@@ -127,7 +127,7 @@ def code_of(
 def _exported(controller: Any, robot: Any) -> Exported:
     title = type(controller).__name__
     if robot is None:
-        robot = _robot_of(controller)
+        robot = robot_of(controller)
     if robot is None:
         raise NotExportable(title, "it does not know its robot", "the robot: robot=...")
     widths = widths_of(robot)
@@ -178,7 +178,7 @@ def _with_fewer_digits(exported: Exported) -> Exported:
     return exported._replace(table=table)
 
 
-def _robot_of(controller: Any) -> Any:
+def robot_of(controller: Any) -> Any:
     """Return the robot that a controller knows, or None."""
     inner = getattr(controller, "base", controller)
     known = getattr(inner, "robot", None)

@@ -203,6 +203,12 @@ def _write_rates_of_flyer(state: Array, q: int, u: int, rates: Array) -> None:
     rates[q + 2] = c + w * f + x * e - y * d
 
 
+@is_state.register(Tables)
+def _is_free_state(robot: Tables, state: Array) -> bool:
+    arrived: bool = _is_state(robot.tree, robot.numbers, robot.memory, state)
+    return arrived
+
+
 @is_state.register(DrivenTables)
 def _is_driven_state(robot: DrivenTables, state: Array) -> bool:
     arrived: bool = _is_state(robot.tree, robot.numbers, robot.memory, state)
