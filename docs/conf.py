@@ -46,6 +46,8 @@ myst_enable_extensions = ["dollarmath", "colon_fence"]
 myst_heading_anchors = 3
 
 autodoc_member_order = "bysource"
+# Of the extra ``symbolic``, which the documentation does not need.
+autodoc_mock_imports = ["casadi"]
 # Types are in the docstrings, with shapes and units, which annotations do not have.
 autodoc_typehints = "none"
 napoleon_google_docstring = False

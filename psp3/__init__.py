@@ -12,6 +12,7 @@ from fuzzy2.support.lazy import lazy_names
 from psp3.version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from psp3 import symbolic as symbolic
     from psp3 import trajectories as trajectories
     from psp3.bounds.torque_intervals import ConformalIntervals as ConformalIntervals
     from psp3.bounds.tracking_tube import TrackingTube as TrackingTube
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     )
     from psp3.errors import PSP3Error as PSP3Error
     from psp3.export.face import export_c as export_c
+    from psp3.export.fmu import export_fmu as export_fmu
     from psp3.fuzzy_control.adaptive import (
         AdaptiveFuzzyComputedTorque as AdaptiveFuzzyComputedTorque,
     )

@@ -696,3 +696,14 @@ class CorrelatedResiduals(RaisedOnPurpose, UserWarning):
             f"intervals are too small; measure longer and take every {self.step}th sample, or add "
             "to the model what the residuals show"
         )
+
+
+class SourceOnlyFMU(RaisedOnPurpose, UserWarning):
+    """An FMU was written without a binary."""
+
+    def __init__(self, path: str | Path, why: str) -> None:
+        self.path, self.why = Path(path), why
+        super().__init__(
+            f"{path} holds source code and no binary: {why}; programs that compile FMUs take it as "
+            "it is, for others export it on Linux for x86-64 with gcc"
+        )

@@ -126,6 +126,7 @@ def _warm_up_fuzzy_systems() -> None:
         GaussianType2Set,
         GeneralType2System,
         IntervalType2System,
+        Linear,
         centroid,
         fine_tune,
         generalized_centroid,
@@ -151,6 +152,7 @@ def _warm_up_fuzzy_systems() -> None:
         terms, rules, [[Gaussian(0.0, 1.0)]], type_reduction="centroid", output_ranges=[(-3.0, 3.0)]
     )
     united(np.zeros(1))
+    IntervalType2System(terms, rules, Linear([[[0.0, 1.0]]]))(np.zeros(1))
 
 
 if __name__ == "__main__":

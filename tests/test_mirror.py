@@ -113,6 +113,13 @@ ELSEWHERE = {
     "psp3/cli/options.py": ("psp3/cli/test_entry.py", OF_EVERY_COMMAND),
     "psp3/cli/robot_options.py": ("psp3/cli/test_entry.py", OF_EVERY_COMMAND),
     "psp3/cli/shared.py": ("psp3/cli/commands/test_torques.py", OF_EVERY_COMMAND),
+    "psp3/export/fmu_controller.py": ("psp3/export/test_fmu.py", THROUGH_ITS_FACE),
+    "psp3/export/fmu_description.py": ("psp3/export/test_fmu.py", THROUGH_ITS_FACE),
+    "psp3/export/fmu_glue.py": ("psp3/export/test_fmu.py", THROUGH_ITS_FACE),
+    "psp3/export/fmu_kernels.py": ("psp3/export/test_fmu.py", THROUGH_ITS_FACE),
+    "psp3/export/fmu_model.py": ("psp3/export/test_fmu.py", THROUGH_ITS_FACE),
+    "psp3/export/fmu_names.py": ("psp3/export/test_fmu.py", THROUGH_ITS_FACE),
+    "psp3/export/fmu_plant.py": ("psp3/export/test_fmu.py", THROUGH_ITS_FACE),
     "psp3/closure/passive_limits.py": ("psp3/robots/test_closed_loop_robot.py", THROUGH_ITS_FACE),
     "psp3/control/controller.py": (
         "psp3/simulation/test_tracking.py",

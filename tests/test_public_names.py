@@ -19,10 +19,10 @@ Drive FeedForward FuzzyComputedTorque
         GravityCompensatedPD LinearQuadraticRegulator Monitor MuJoCo NaturalOrthogonalComplement \
 PSP3Error Parameters Pose Result Run
         SingularityAnalysis Study TaskSpaceComputedTorque TimeVaryingLinearQuadraticRegulator \
-Workspace exciting_motion export_c
+Workspace exciting_motion export_c export_fmu
         forward_dynamics_derivatives grid identify inverse_dynamics_derivatives linearize load \
 load_result simulate statistics to_mjcf
-        trajectories with_payload
+        symbolic trajectories with_payload
     """,
     "fuzzy2": """
         ANFIS AnYaSystem FuzzyClassifier automf lagged subtractive_clustering view
@@ -65,6 +65,7 @@ InvalidValue JointLimitExceeded
 NoStabilizingSolution NoThreshold NotTrained OpenLoops
         OverlappingShapes PSP3Error PoorExcitation RunsFailed SchedulerUnavailable \
 SimulationDiverged SimulationStopped
+        SourceOnlyFMU
         SingularConfiguration StrokeExceeded StudyFileNotWritable StudyInUse StudyInterrupted \
 StudyMismatch UncertainRank
         UnexportableJoint UnknownName UnknownRobot UnphysicalInertia UnreachablePose \
@@ -93,6 +94,7 @@ runs_needed
     "psp3.drives": "NO_DRIVE Drive drive_table",
     "psp3.identification": "CONFIDENCE Identified identify",
     "psp3.simulation": "Encoder Result load_result simulate",
+    "psp3.symbolic": "SymbolicPSP3 SymbolicRobot fuzzy_torque",
     "psp3.study": "Grid Progress Study Table grid",
     "fuzzy2.learning": (
         "COMPLETIONS KINDS LEARNERS PARTITIONS WangMendel cluster_partition gaussian_partition "

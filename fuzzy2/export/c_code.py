@@ -88,10 +88,15 @@ class Mixed:
 
     def filled(self, given: Iterator[Any]) -> Any:
         """Return the NamedTuple with other arrays in the places of those that are states."""
-        thing = self.thing
-        for path in self.states:
-            thing = _replaced(thing, path.split("."), next(given))
+        thing, arrays = self.thing, {name: next(given) for name in self.arguments}
+        for path, argument in self.states.items():
+            thing = _replaced(thing, path.split("."), arrays[argument.name])
         return thing
+
+    @property
+    def arguments(self) -> dict[str, Argument]:
+        """The states by name; one can be in several places."""
+        return {argument.name: argument for argument in self.states.values()}
 
 
 def _replaced(thing: Any, path: list[str], array: Any) -> Any:
@@ -198,8 +203,8 @@ class CWriter:
         Of all numbers.
     about : sequence of str
         Paragraphs for the header: what the code is, units, the order of joints, where it is from.
-    unrolled : iterable of str
-        See :class:`fuzzy2.export.translator.Program`.
+    unrolled, never : tuple of str
+        See :class:`fuzzy2.export.definitions.Definitions`.
     constants : mapping of str to number, optional
         Numbers of the kernels' modules, by name, that are others in this code.
 
@@ -218,12 +223,15 @@ class CWriter:
         about: list[str],
         unrolled: tuple[str, ...] = (),
         constants: Mapping[str, float] | None = None,
+        never: tuple[str, ...] = (),
     ) -> None:
         if not re.fullmatch(r"[A-Za-z]\w*", name) or name in RESERVED:
             raise InvalidValue("name", name, "letters, digits and _, a letter first, no word of C")
         self.name, self.about = name, about
         self.precision = Precision(precision)
-        self.program = Program(name, self.precision, frozenset(unrolled), dict(constants or {}))
+        self.program = Program(
+            *(name, self.precision, frozenset(unrolled), dict(constants or {}), frozenset(never))
+        )
         self.functions: list[CFunction] = []
         self.bodies: list[str] = []
 
@@ -264,7 +272,7 @@ class CWriter:
             one
             for a in arguments
             if not isinstance(a, Known)
-            for one in ([a] if isinstance(a, Argument) else a.states.values())
+            for one in ([a] if isinstance(a, Argument) else a.arguments.values())
         )
         if not isinstance(said.type, Scalar):
             raise NotExportable(

@@ -41,6 +41,8 @@ class Definitions(ABC):
     unrolled : frozenset of str
         Names of kernels whose counted loops are written out where their count is known: each pass
         is then translated for what is known in it.
+    never : frozenset of str
+        Names of kernels that whoever exports knows to return false wherever they are called.
     replaced : dict of str to number
         Numbers of the kernels' modules, by name, that are others in this code.
     """
@@ -49,6 +51,7 @@ class Definitions(ABC):
     precision: Precision
     unrolled: frozenset[str] = frozenset()
     replaced: dict[str, float] = field(default_factory=dict)
+    never: frozenset[str] = frozenset()
     instances: dict[Any, Instance] = field(default_factory=dict)
     order: list[Instance] = field(default_factory=list)
     records: dict[str, tuple[str, str]] = field(default_factory=dict)

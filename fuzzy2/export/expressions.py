@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import math
 import operator
+import re
 from abc import ABC
 from collections.abc import Callable
 from typing import Any
@@ -174,7 +175,8 @@ class Expressions(Calls, ABC):
             if value.known is None:
                 codes.append(value.code)
             elif value.known == stops:
-                if not codes:
+                # What comes before is asked for nothing, where it only compares.
+                if not any(re.search(r"\w\(", code) for code in codes):
                     return self.program.precision.number(stops, BOOL)
                 codes.append("1" if stops else "0")
                 break
@@ -203,10 +205,8 @@ class Expressions(Calls, ABC):
                 if not compare(left.known, right.known):
                     codes.append("0")
                     break
-            elif (sign == "<" and right.known == -math.inf) or (
-                sign == ">=" and right.known == math.inf and left.type == INT
-            ):
-                # Nothing is less, and NaN neither; and no whole number is infinite.
+            elif sign == ">=" and right.known == math.inf and left.type == INT:
+                # No whole number is infinite.
                 codes.append("0")
                 break
             else:

@@ -49,6 +49,24 @@ class Pair(NamedTuple):
     outputs: int
 
 
+class Nothing(NamedTuple):
+    """No α-plane at all: sums begin with it."""
+
+    start: float
+
+
+class Level(NamedTuple):
+    """An α-plane that is a system of its own, with its share in the outputs, and those below it.
+
+    ``defaults`` (m,) are its outputs where no rule fires; NaN for none.
+    """
+
+    below: Any
+    system: Any
+    share: float
+    defaults: Array
+
+
 class Clouds(NamedTuple):
     """Clouds of data, one after the other, where each begins, and whom antecedents ask for."""
 
@@ -130,6 +148,26 @@ def _of_pair(system, x, out):
     """Write the outputs of both systems."""
     first = outputs_of(system.first, x, out[: system.outputs])
     return outputs_of(system.second, x, out[system.outputs :]) and first
+
+
+@outputs_of.register(Nothing)
+def _of_nothing(system, x, out):
+    """Begin a sum."""
+    for j in range(out.size):
+        out[j] = system.start
+    return x.size > 0
+
+
+@outputs_of.register(Level)
+def _of_level(system, x, out):
+    """Add the outputs of an α-plane to those of the planes below it."""
+    middles = np.empty(out.size)
+    below = outputs_of(system.below, x, out)
+    done = outputs_of(system.system, x, middles)
+    for j in range(out.size):
+        middle = system.defaults[j] if math.isnan(middles[j]) else middles[j]
+        out[j] += system.share * middle
+    return below and done
 
 
 @outputs_of.register(Clouds)

@@ -11,7 +11,16 @@ import numpy as np
 
 from fuzzy2.errors import NotExportable
 from fuzzy2.export.c_code import Argument, CCode, CWriter, Known
-from fuzzy2.export.system_kernels import Averaged, Clouds, Corollary, Pair, Planes, answer
+from fuzzy2.export.system_kernels import (
+    Averaged,
+    Clouds,
+    Corollary,
+    Level,
+    Nothing,
+    Pair,
+    Planes,
+    answer,
+)
 from fuzzy2.operations.t_norms import T_CONORMS, T_NORMS
 from fuzzy2.systems.anya import AnYaSystem
 from fuzzy2.systems.consequents import Formulas
@@ -155,13 +164,31 @@ def _side_by_side(systems: list[FuzzySystem]) -> Any:
 
 
 def _of_general(system: GeneralType2System) -> Any:
+    """Return one table for all α-planes where there is one, else the tables of each."""
     table = system.table
-    if table is None or not (system.in_one_loop or system.reduction == "gaussian"):
-        raise _without_table(system)
     if system.reduction == "gaussian":
+        if table is None:
+            raise _without_table(system)
         middles, spreads = system.moments
         return Corollary(table, middles.ravel(), spreads.ravel())
-    return Planes(table, system.widths, system.alphas)
+    if table is not None and system.in_one_loop:
+        return Planes(table, system.widths, system.alphas)
+    defaults = np.full(system.n_outputs, np.nan)
+    if system.default_outputs is not None:
+        defaults = np.array(system.default_outputs)
+    levels: Any = Nothing(0.0)
+    for share, plane in system.explained_by:
+        try:
+            tables = tables_of(plane)
+        except NotExportable as error:
+            raise NotExportable(
+                f"an α-plane, of it {error.what}",
+                error.why,
+                f"{error.remedy}; or Gaussian type-2 sets under center of sets by an exact method, "
+                "without default outputs, which takes all planes from one table",
+            ) from error
+        levels = Level(levels, tables, share, defaults)
+    return levels
 
 
 def _without_table(system: FuzzySystem) -> NotExportable:

@@ -19,7 +19,7 @@ from typing import Any
 from fuzzy2.errors import NotExportable
 from fuzzy2.export.definitions import Definitions, Instance
 from fuzzy2.export.function import Translation
-from fuzzy2.export.values import NOTHING, Record, Row, Scalar, Table, Value
+from fuzzy2.export.values import BOOL, NOTHING, Record, Row, Scalar, Table, Value
 
 
 @dataclass
@@ -29,6 +29,8 @@ class Program(Definitions):
     def call(self, function: Callable[..., Any], arguments: list[Value]) -> Value:
         """Return what a call of a kernel stands for; it is translated if it is not yet."""
         body = body_for(function, arguments[0] if arguments else None)
+        if body.__name__ in self.never:
+            return self.precision.number(False, BOOL)
         key = (body, *(argument.key for argument in arguments))
         if key in self.open:
             wanted = "kernels that do not call themselves"

@@ -35,6 +35,7 @@ from fuzzy2.learning.subtractive import subtractive_clustering
 from fuzzy2.sets.interval_type2 import GaussianUncertainMean
 from fuzzy2.sets.shapes import Gaussian
 from fuzzy2.support.checks import Array, positive, real
+from fuzzy2.support.one_thread import one_thread
 from fuzzy2.systems.consequents import Linear
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 
@@ -199,7 +200,8 @@ class ANFIS(Regressor):
         if self.kind == "it2":
             spans = (ranges[:, 1] - ranges[:, 0]) / units.widths
             reaches = self.mean_variation * spans[layout.owners]
-        history, chosen, premises = self._learned_from(layout, start, reaches, data, rng)
+        with one_thread():
+            history, chosen, premises = self._learned_from(layout, start, reaches, data, rng)
         self._remember(samples)
         self.system_ = _system(samples, units, premises, history)
         self.training_errors_ = np.array(history.training_errors)

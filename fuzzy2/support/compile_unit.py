@@ -27,8 +27,10 @@ from numba._dynfunc import make_function
 from numba.core import typed_passes, types, untyped_passes
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.compiler_machinery import PassManager
 from numba.core.registry import CPUDispatcher
+from numba.core.sigutils import normalize_signature
 from numba.core.typed_passes import NativeLowering
 from numba.core.typing.context import Context
 
@@ -71,6 +73,16 @@ class Kernel(CPUDispatcher):
             whole, part = _ScalarCompiler, _ScalarPartCompiler
         super().__init__(function, kinds, options, pipeline_class=whole)
         self._part = CPUDispatcher(function, kinds, options, pipeline_class=part)
+
+    def compile(self, sig: Any) -> Any:
+        """Return the machine code for arguments of these types.
+
+        Who waited while another thread made it finds it there, though nothing else may be compiled
+        any more.
+        """
+        with global_compiler_lock:
+            made: Any = self.overloads.get(tuple(normalize_signature(sig)[0]))
+            return super().compile(sig) if made is None else made.entry_point
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """Return how compiled code calls the function, for arguments of these types."""

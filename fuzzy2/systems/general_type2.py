@@ -313,7 +313,11 @@ class GeneralType2System(FuzzySystem):
                 self._refuse(rows)
             return out
         middles = self.alpha_cuts(X).mean(axis=-1)
-        return np.asarray(middles @ (self.alphas / self.alphas.sum()))
+        crisp = np.zeros(middles.shape[:-1])
+        # Plane by plane: a product of matrices adds up in an order of its own.
+        for k, share in enumerate(self.alphas / self.alphas.sum()):
+            crisp += share * middles[..., k]
+        return crisp
 
     def type_reduced(self, X: ArrayLike) -> Array:
         """Return the lowest α-cut, (..., m, 2), or mean and deviation.

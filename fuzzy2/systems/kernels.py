@@ -136,7 +136,7 @@ def _center_of_sets(  # noqa: C901 (both ends of all outputs in one compiled loo
         fires = max(fires, high[r])
         extra[r] = high[r] - weight
         uncertainty = max(uncertainty, extra[r])
-        if weight > 0.0:
+        if low[r] > 0.0:
             # A slice, so that the compiler sees a plain row and adds several outputs at once.
             row = table[ends + 2 * outputs * r : ends + 2 * outputs * (r + 1)]
             for j in range(2 * outputs):
@@ -156,15 +156,11 @@ def _center_of_sets(  # noqa: C901 (both ends of all outputs in one compiled loo
             settled = fires > TINY
             # Without uncertainty there is nothing to search: no weight can change.
             i = 0 if uncertainty > 0.0 else rules
-            while i < rules and not weight > 0.0:
-                r = int(table[order + i])
-                moment += extra[r] * table[z + i]
-                weight += extra[r]
-                i += 1
             while i < rules:
                 distance = table[z + i]
                 gap = distance * weight - moment
-                if not gap < -CLOSE * moment:
+                # Without any weight yet there is no average to pass.
+                if weight > 0.0 and not gap < -CLOSE * moment:
                     settled = settled and (gap > CLOSE * moment or moment == 0.0)
                     break
                 r = int(table[order + i])

@@ -45,7 +45,7 @@ _ALL = np.concatenate([[-1.0], _ROOTS.real, [1.0]])
 NODES = (1.0 - 1e-11) * _ALL
 WEIGHTS = 2.0 / (42.0 * np.polynomial.legendre.Legendre.basis(6)(_ALL) ** 2)
 GAUSS = np.concatenate([NODES, WEIGHTS])
-TOLERANCE = 1e-9
+TOLERANCE = 1e-11
 """Two rules agree if they differ by this share of the area: of the whole for type-1 sets, of the
 piece for interval type-2 ones, whose centroid may end on a tail."""
 NEGLIGIBLE = 1e-280

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from fuzzy2.support.one_thread import one_thread
 from psp3.benchmark.entries import Course, Entry, said
 from psp3.benchmark.readings import NONE, READINGS, lesson, measured_noise
 from psp3.benchmark.tasks import PATHS, ROBOTS, SAMPLES, Task, task
@@ -144,7 +145,7 @@ def execute(trial: Trial, entry: Entry) -> Outcome:
     trial.check()
     of_robot = task(trial.robot)
     try:
-        with warnings.catch_warnings():
+        with one_thread(), warnings.catch_warnings():
             # What an entry is warned of, such as a search that has not converged, it knows or not:
             # its score shows.
             warnings.simplefilter("ignore")

@@ -18,6 +18,7 @@ from psp3.cli.commands.benchmark import benchmark
 from psp3.cli.commands.check import check
 from psp3.cli.commands.dynamics import dynamics
 from psp3.cli.commands.export_c import c
+from psp3.cli.commands.export_fmu import fmu
 from psp3.cli.commands.info import info
 from psp3.cli.commands.pose import pose
 from psp3.cli.commands.reproduce import reproduce
@@ -36,6 +37,7 @@ for command in (reproduce, simulate, train, study, benchmark, torques, pose, dyn
 for command in (view, check, info):
     app.command()(command)
 export.command()(c)
+export.command()(fmu)
 app.add_typer(export)
 
 

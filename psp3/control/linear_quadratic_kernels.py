@@ -18,7 +18,7 @@ POSITIONS, SPEEDS, WORK = range(3)
 class Regulation(NamedTuple):
     """A regulator whose feedback is shared among the motors where the robot is.
 
-    ``gains`` (S, k, 2n) of S samples of ``gain_period``, or one of all times; ``pose`` (n,) to
+    ``gains`` (S, 2 k n) of S samples of ``gain_period``, or one of all times; ``pose`` (n,) to
     which coordinates that follow are brought back; ``model`` the robot's table, whose forces are
     along the coordinates where the motors command all, and else those of the motors; ``motors`` the
     table that shares forces among the motors; ``memory`` (3, n) desired positions and speeds, and
@@ -38,7 +38,7 @@ def regulation(
 ) -> Regulation:
     """Return a regulator as compiled loops take it, see :class:`Regulation`."""
     k, n = widths.commanded, widths.speeds
-    every = np.ascontiguousarray(gains.reshape(-1, k, 2 * n))
+    every = np.ascontiguousarray(gains.reshape(-1, 2 * k * n))
     return Regulation(every, float(gain_period), pose, model, motors, np.zeros((3, n)))
 
 
@@ -49,12 +49,14 @@ def _write_feedback(
     """Write the forces (k,) of gains and errors, of what the memory says is desired."""
     gains, memory, n, sample = controller.gains, controller.memory, speeds.size, 0
     if gains.shape[0] > 1:
-        sample = min(max(int(t / controller.gain_period + 1e-6), 0), gains.shape[0] - 1)
+        # Before it becomes a whole number, which not all times have.
+        sample = int(min(max(0.0, t / controller.gain_period + 1e-6), float(gains.shape[0] - 1)))
     for i in range(feedback.size):
         total = 0.0
         for j in range(n):
-            total += gains[sample, i, j] * (memory[POSITIONS, j] - positions[j])
-            total += gains[sample, i, n + j] * (memory[SPEEDS, j] - speeds[j])
+            at = 2 * n * i + j
+            total += gains[sample, at] * (memory[POSITIONS, j] - positions[j])
+            total += gains[sample, at + n] * (memory[SPEEDS, j] - speeds[j])
         feedback[i] = total
 
 
@@ -74,7 +76,7 @@ def regulation_step(
     for j in range(n):
         memory[POSITIONS, j] = desired[j] if j < k else controller.pose[j]
         memory[SPEEDS, j] = desired[k + j] if j < k else 0.0
-    feedback = memory[WORK, :k]
+    feedback = memory[WORK][:k]
     along = np.empty(k if k == n else out.size)
     done = write_forces(
         controller.model, memory[POSITIONS], memory[SPEEDS], desired[2 * k :], along

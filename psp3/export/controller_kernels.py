@@ -187,6 +187,13 @@ def reset_classical(controller: Any, wires: Wires, reference: Array) -> None:
         _copied(reference, controller.model.memory)
 
 
+def reset_regulation(controller: Any, wires: Wires, reference: Array) -> None:
+    """Start in the reference pose."""
+    _reset_wires(wires)
+    _zeroed_rows(controller.memory)
+    _copied(reference, controller.model.memory)
+
+
 def reset_learned(controller: Any, wires: Wires, reference: Array) -> None:
     """Start in the reference pose where the exact model has loops to close."""
     _reset_wires(wires)

@@ -6,8 +6,6 @@ Every controller that has a table for the compiled loop can be written, see
 
 from __future__ import annotations
 
-import itertools
-import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -27,9 +25,11 @@ from psp3.control.kernels import (
     PD,
     Classical,
 )
+from psp3.control.linear_quadratic_kernels import Regulation
 from psp3.errors import InvalidValue
 from psp3.export import controller_kernels as kernels
 from psp3.export import single
+from psp3.export.trained_range import fires_everywhere
 from psp3.fuzzy_control.adaptive_kernels import Adaptive
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.kernels import NO_MODEL, FuzzyRun
@@ -40,6 +40,7 @@ from psp3.version import __version__
 
 KINDS: dict[type, tuple[Any, Any, tuple[str, ...]]] = {
     Classical: (kernels.reset_classical, kernels.step, ()),
+    Regulation: (kernels.reset_regulation, kernels.step, ()),
     FuzzyRun: (kernels.reset_learned, kernels.learned_step, ("_estimate",)),
     Adaptive: (kernels.reset_adaptive, kernels.learned_step, ()),
     SlotineLi: (kernels.reset_slotine_li, kernels.learned_step, ("_write_basis",)),
@@ -49,12 +50,6 @@ out, so that each rule base is translated for what it is.
 """
 
 CODES = "1, or 0 where the torque is not finite, which no motor must be told"
-
-FIRES = {"double": 1e-250, "single": 1e-30}
-"""Firing strengths above these are no smaller than what each precision holds, by far."""
-
-MOST_INPUTS = 10
-"""Of a rule base whose corners are looked at: there are 2 to their number."""
 
 _NO_REFERENCE = np.empty(0)
 
@@ -118,47 +113,22 @@ def code_of(
     wires = _wires(exported.widths, period, torque_limit, encoder_resolution, delay)
     exported = exported._replace(wires=wires)
     prefix = "controller" if name is None else name
-    unrolled = KINDS[type(exported.table)][2]
-    constants = _not_needed(exported, precision)
-    model = getattr(exported.table, "model", None)
-    if precision == "single" and model is not None and hasattr(model, "tree"):
-        # Loops close as far as single precision goes.
-        numbers = single.numbers_of(model, exported.robot.title)
-        table = exported.table._replace(model=model._replace(numbers=numbers))
-        exported, constants = exported._replace(table=table), constants | single.CONSTANTS
-    writer = CWriter(prefix, precision, _about(exported), unrolled, constants)
+    constants = without_shapes(getattr(getattr(thing, "base", thing), "systems_", ()))
+    if precision == "single":
+        exported, constants = _with_fewer_digits(exported), constants | single.CONSTANTS
+    table = exported.table
+    # Logarithms of firing strengths are for inputs far away from all rules: most learned
+    # controllers never see any, and need no logarithm then.
+    never = ("lost",) if isinstance(table, FuzzyRun) and fires_everywhere(table.controller) else ()
+    writer = CWriter(prefix, precision, _about(exported), KINDS[type(table)][2], constants, never)
     _add_functions(writer, exported)
     return writer.code()
-
-
-def _not_needed(exported: Exported, precision: str) -> dict[str, float]:
-    """Return numbers of kernels that leave out what the rules of a controller do not need."""
-    controller = getattr(exported.controller, "base", exported.controller)
-    if not isinstance(controller, FuzzyComputedTorque):
-        return {}
-    fires = {"VANISHED": -math.inf} if _always_fires(controller, precision) else {}
-    return fires | without_shapes(controller.systems_)
-
-
-def _always_fires(controller: FuzzyComputedTorque, precision: str) -> bool:
-    """Whether every rule fires by a number that floats hold, wherever the rules are asked.
-
-    They are asked in the trained range only, at whose corners products of terms are least. Nothing
-    needs to be computed in logarithms then.
-    """
-    for system, place in zip(controller.systems_, controller.places, strict=True):
-        ranges = controller.ranges_[:, list(place.columns)]
-        if ranges.shape[1] > MOST_INPUTS or system.t_norm.name != "product":
-            return False
-        if np.min(system.firing(np.array(list(itertools.product(*ranges.T))))) < FIRES[precision]:
-            return False
-    return True
 
 
 def _exported(controller: Any, robot: Any) -> Exported:
     title = type(controller).__name__
     if robot is None:
-        robot = _robot_of(controller)
+        robot = robot_of(controller)
     if robot is None:
         raise NotExportable(title, "it does not know its robot", "the robot: robot=...")
     widths = widths_of(robot)
@@ -198,7 +168,18 @@ def _wires(
     return kernels.Wires(resolution, limit, queue, last, calls, seconds, is_guarded=False)
 
 
-def _robot_of(controller: Any) -> Any:
+def _with_fewer_digits(exported: Exported) -> Exported:
+    """Return a controller whose model closes its loops as far as single precision can."""
+    table = exported.table
+    for field in ("model", "motors"):
+        model: Any = getattr(table, field, None)
+        if hasattr(model, "memory"):
+            numbers = single.numbers_of(model, exported.robot.title)
+            table = table._replace(**{field: model._replace(numbers=numbers)})
+    return exported._replace(table=table)
+
+
+def robot_of(controller: Any) -> Any:
     """Return the robot that a controller knows, or None."""
     inner = getattr(controller, "base", controller)
     known = getattr(inner, "robot", None)
@@ -236,7 +217,7 @@ def _arguments(exported: Exported) -> list[Argument]:
         ),
         Argument("torque", f"forces of the motors {_force_units(exported)}", m, "out"),
     ]
-    if isinstance(exported.table, Classical):
+    if isinstance(exported.table, Classical | Regulation):
         return arguments
     flags = f"whether the inputs were in the trained range; whether {_FELL}"
     return [
@@ -261,6 +242,11 @@ def _states(table: Any) -> dict[str, Argument]:
     if hasattr(table.model, "memory"):
         memory = table.model.memory
         states["model.memory"] = _state("pose", "the model's last pose, and room for it", memory)
+    if isinstance(table, Regulation):
+        # One memory: forces are shared among the motors in the pose in which they were found.
+        states["motors.memory"] = states["model.memory"]
+        wanted = "desired positions and speeds, and forces along the coordinates"
+        states["memory"] = _state("wanted", wanted, table.memory)
     if isinstance(table, Classical):
         servo = "last error, its integral, feedback, zeros"
         states["memory"] = _state("servo", servo, table.memory)
@@ -328,6 +314,8 @@ def _about(exported: Exported) -> list[str]:
 def _law(exported: Exported) -> list[str]:
     """Return what a controller does, with its gains."""
     table = exported.table
+    if isinstance(table, Regulation):
+        return [_regulator_law(table)]
     if isinstance(table, Classical):
         return [_classical_law(table, exported.widths.commanded)]
     return [_learned_law(exported), _range(exported)]
@@ -362,6 +350,15 @@ def _classical_law(table: Classical, joints: int) -> str:
     if table.is_allocated:
         lines.append("Feedback is turned into the shortest forces of the motors.")
     return "\n".join(lines)
+
+
+def _regulator_law(table: Regulation) -> str:
+    samples, k = len(table.gains), table.gains.shape[1] // (2 * table.pose.size)
+    law = "torque = forces of the desired motion + K (e, e'), shared among the motors"
+    if samples > 1:
+        return f"{law},\nwith gains that change every {table.gain_period:g} s, {samples} times"
+    rows = table.gains.reshape(k, -1).tolist()
+    return f"{law}, e = desired - found\nK = {[[float(f'{g:.6g}') for g in row] for row in rows]}"
 
 
 def _learned_law(exported: Exported) -> str:

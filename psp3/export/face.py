@@ -7,10 +7,28 @@ from pathlib import Path
 from typing import Any, Literal
 
 from fuzzy2.errors import NotExportable
+from fuzzy2.export import systems
 from fuzzy2.export.c_code import CCode
+from fuzzy2.systems.anya import AnYaSystem
+from fuzzy2.systems.parallel import ParallelSystem
+from fuzzy2.systems.system import FuzzySystem
 from psp3.export import controllers, robots
 
-KINDS: tuple[Callable[..., CCode | None], ...] = (robots.code_of, controllers.code_of)
+
+def _code_of_system(
+    thing: Any, *, precision: Literal["double", "single"] = "double", name: str | None = None
+) -> CCode | None:
+    """Return the C code of a fuzzy system, or None of what is none."""
+    if not isinstance(thing, FuzzySystem | ParallelSystem | AnYaSystem):
+        return None
+    return systems.c_code_of(thing, precision=precision, name=name or "system")
+
+
+KINDS: tuple[Callable[..., CCode | None], ...] = (
+    robots.code_of,
+    controllers.code_of,
+    _code_of_system,
+)
 """Each is asked for the code of a thing, with the name, the precision and what else was said, and
 returns None of things that are none of its.
 """
@@ -28,7 +46,7 @@ def c_code(
         code = code_of(thing, precision=precision, name=name, **options)
         if code is not None:
             return code
-    wanted = "a robot, a controller that the compiled loop takes, or a controller's file"
+    wanted = "a robot, a controller that the compiled loop takes, its file, or a fuzzy system"
     raise NotExportable(type(thing).__name__, "nothing here knows how", wanted)
 
 
@@ -40,7 +58,7 @@ def export_c(
     name: str | None = None,
     **options: Any,
 ) -> CCode:
-    """Write a robot or a controller as one self-contained .c and .h file in C99.
+    """Write a robot, a controller or a fuzzy system as one self-contained .c and .h file in C99.
 
     The code is translated from the kernels that Python runs: in double precision, and where the C
     library's functions are the same, its numbers are the same to the last bit. It asks for no
@@ -48,9 +66,9 @@ def export_c(
 
     Parameters
     ----------
-    thing : robot, controller, or path
-        What to write, see :mod:`psp3.export.robots` and :mod:`psp3.export.controllers`; or the file
-        of a controller.
+    thing : robot, controller, fuzzy system, or path
+        What to write, see :mod:`psp3.export.robots`, :mod:`psp3.export.controllers` and
+        :func:`fuzzy2.export_c`; or the file of a controller.
     path : path
         The folder that the files are written into.
     precision : {"double", "single"}

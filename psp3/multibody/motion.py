@@ -294,7 +294,7 @@ def _write_frame(tree, memory, frames, row, out, into):
 
 
 @scalar
-def _answer(question, tree, numbers, memory, second, third, row, out, into):
+def answer_of_pose(question, tree, numbers, memory, second, third, row, out, into):
     """Write one row of the answer to a question about the pose; return what became of it."""
     n, nv, nq, room = tree[INDEPENDENT], tree[VELOCITIES], tree[COORDINATES], tree[AT_ROOM]
     if question == FRAME:
@@ -347,7 +347,7 @@ def row_answered(question, tree, numbers, memory, second, third, row, out, width
     outcome = _reach(tree, numbers, memory)
     if outcome == CLOSED:
         into = width * row
-        outcome = _answer(question, tree, numbers, memory, second, third, row, out, into)
+        outcome = answer_of_pose(question, tree, numbers, memory, second, third, row, out, into)
         if outcome == CLOSED and not is_finite(out, into, into + width):
             outcome = NOT_FINITE
     if outcome != CLOSED:

@@ -505,6 +505,11 @@ class ClosedLoopRobot:
         )
         return jacobian
 
+    @property
+    def core(self) -> Core:
+        """What computes: the tree with its loops as flat arrays."""
+        return self._core
+
     def last_pose(self) -> LastPose | None:
         """Return a memory of the pose that the caller was in last.
 

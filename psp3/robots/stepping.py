@@ -203,6 +203,12 @@ def _write_rates_of_flyer(state: Array, q: int, u: int, rates: Array) -> None:
     rates[q + 2] = c + w * f + x * e - y * d
 
 
+@is_state.register(Tables)
+def _is_free_state(robot: Tables, state: Array) -> bool:
+    arrived: bool = _is_state(robot.tree, robot.numbers, robot.memory, state)
+    return arrived
+
+
 @is_state.register(DrivenTables)
 def _is_driven_state(robot: DrivenTables, state: Array) -> bool:
     arrived: bool = _is_state(robot.tree, robot.numbers, robot.memory, state)
@@ -238,7 +244,8 @@ def _allocate(robot: Tables, positions: Array, forces: Array, out: Array) -> boo
 def _write_actuation(robot: DrivenTables, out: Array) -> None:
     """Write what each motor does along the first coordinates, (k, m), of a pose with its L."""
     tree, memory, motors = robot.tree, robot.memory, robot.motors
-    nv, (k, m) = tree[VELOCITIES], out.shape
+    nv = tree[VELOCITIES]
+    k, m = out.shape
     for i in range(k):
         for j in range(m):
             total = 0.0
@@ -252,7 +259,7 @@ def forces_of_all(
     robot: DrivenTables, positions: Array, speeds: Array, accelerations: Array, out: Array
 ) -> bool:
     """Write the shortest motor forces (m,) of accelerations of all coordinates."""
-    n, (tree, numbers, memory) = speeds.size, robot[:3]
+    n, tree, numbers, memory = speeds.size, robot.tree, robot.numbers, robot.memory
     along, actuation = np.empty(n), np.empty((n, out.size))
     if not forces_of_motion(tree, numbers, memory, positions, speeds, accelerations, along):
         return False
@@ -271,8 +278,11 @@ def forces_of_first(
     As :func:`psp3.dynamics.motors.partly_linearizing`.
     """
     p, n, k, m = positions.size, speeds.size, accelerations.size, out.size
-    (tree, numbers, memory), state = robot[:3], np.empty(p + n)
-    state[:p], state[p:] = positions, speeds
+    tree, numbers, memory, state = robot.tree, robot.numbers, robot.memory, np.empty(p + n)
+    for i in range(p):
+        state[i] = positions[i]
+    for i in range(n):
+        state[p + i] = speeds[i]
     if not balance_of_state(tree, numbers, memory, state, robot.rest):
         return False
     actuation, made, wanted = np.empty((n, m)), np.empty((k, m)), np.empty(k)
@@ -308,7 +318,7 @@ def _write_forces_of_motors(
 @compiled
 def shared_among_motors(robot: DrivenTables, positions: Array, forces: Array, out: Array) -> bool:
     """Write the shortest motor forces (m,) for forces along the first coordinates (k,)."""
-    tree, numbers, memory = robot[:3]
+    tree, numbers, memory = robot.tree, robot.numbers, robot.memory
     if reach(tree, numbers, memory, positions) != CLOSED:
         return False
     complement(tree, numbers, memory, 0.0)

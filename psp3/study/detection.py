@@ -36,6 +36,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzy2.support.one_thread import one_thread
 from psp3.checks import Array, checked_count, checked_positive
 from psp3.errors import UnknownName
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
@@ -220,7 +221,7 @@ def detect(
         job.check()
     controller = watched_controller(jobs[0])
     threads = checked_count("workers", (os.cpu_count() or 1) if workers is None else workers)
-    with ThreadPoolExecutor(threads) as pool:
+    with one_thread(), ThreadPoolExecutor(threads) as pool:
         watched = list(pool.map(lambda job: _signals(controller, watch(job)), jobs))
     runs = {name: watched[i * count : (i + 1) * count] for i, name in enumerate(kinds)}
     found = []

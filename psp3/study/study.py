@@ -36,6 +36,7 @@ from concurrent.futures import (
 from contextlib import contextmanager
 from pathlib import Path
 
+from fuzzy2.support.one_thread import one_thread
 from fuzzy2.support.text_files import written_whole
 from psp3.checks import checked_count
 from psp3.errors import InvalidValue, RunsFailed, SchedulerUnavailable, StudyInterrupted
@@ -254,7 +255,7 @@ def results_of(runs: Iterable[Run], workers: int | None = None) -> Table:
     """
     wanted = Runs(runs)
     count = len(os.sched_getaffinity(0)) if workers is None else checked_count("workers", workers)
-    with ThreadPoolExecutor(count, thread_name_prefix="psp3-study") as pool:
+    with one_thread(), ThreadPoolExecutor(count, thread_name_prefix="psp3-study") as pool:
         found = list(pool.map(execute, wanted))
     return Table.of(
         {**contents(run), **metrics} for run, metrics in zip(wanted, found, strict=True)
@@ -264,7 +265,7 @@ def results_of(runs: Iterable[Run], workers: int | None = None) -> Table:
 @contextmanager
 def _threads(workers: int | None) -> Iterator[tuple[Executor, Callable[[], int]]]:
     count = workers or len(os.sched_getaffinity(0))
-    with ThreadPoolExecutor(count, thread_name_prefix="psp3-study") as executor:
+    with one_thread(), ThreadPoolExecutor(count, thread_name_prefix="psp3-study") as executor:
         yield executor, lambda: count
 
 

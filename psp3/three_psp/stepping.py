@@ -12,9 +12,9 @@ from fuzzy2.support.compiled import compiled
 from psp3.checks import Array, checked_count
 from psp3.drives.drive import Drive, drive_table
 from psp3.drives.kernels import INERTIA, VISCOUS
-from psp3.dynamics import driven_steps
 from psp3.dynamics.compiled_robot import advance as advance_any
 from psp3.dynamics.compiled_robot import allocate, balance, is_state, write_forces, write_rates
+from psp3.dynamics.driven_steps import advance_driven as advance_any_driven
 from psp3.three_psp.closed_form import (
     RADIUS,
     accelerations_of_state,
@@ -75,7 +75,7 @@ def advance_driven(
     state: Array, forces: Array, step: float, steps: int, p: Array, drives: Array
 ) -> bool:
     """Do as ``advance`` for a robot with drives, an array (3, 3)."""
-    valid: bool = driven_steps.advance_driven(ClosedForm(p, p), state, forces, step, steps, drives)
+    valid: bool = advance_any_driven(ClosedForm(p, p), state, forces, step, steps, drives)
     return valid
 
 

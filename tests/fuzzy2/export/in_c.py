@@ -20,11 +20,23 @@ COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
 needs_gcc = pytest.mark.skipif("gcc" not in COMPILERS, reason="no gcc on this machine")
 
 
-def build(code: CCode, folder: Path, compiler: str = "gcc") -> ctypes.CDLL:
+def build(
+    code: CCode, folder: Path, compiler: str = "gcc", flags: tuple[str, ...] = ()
+) -> ctypes.CDLL:
     """Compile without a warning, and load."""
     _, source = code.write(folder)
     library = folder / f"{code.name}_{compiler}.so"
-    command = [compiler, *STRICT, "-shared", "-fPIC", "-o", str(library), str(source), "-lm"]
+    command = [
+        compiler,
+        *STRICT,
+        *flags,
+        "-shared",
+        "-fPIC",
+        "-o",
+        str(library),
+        str(source),
+        "-lm",
+    ]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[:2000]
     return ctypes.CDLL(str(library))
@@ -48,14 +60,19 @@ def bind(library: ctypes.CDLL, code: CCode, function: CFunction) -> Callable[...
 
 
 def kernel_in_c(
-    kernel: Callable[..., Any], inputs: int, outputs: int, folder: Path, **options: Any
+    kernel: Callable[..., Any],
+    inputs: int,
+    outputs: int,
+    folder: Path,
+    flags: tuple[str, ...] = (),
+    **options: Any,
 ) -> tuple[Callable[..., Any], CCode]:
     """Compile a kernel ``(x, out)``; return it, and its code."""
     writer = CWriter("tried", "double", ["A kernel of a test."], **options)
     arguments = [Argument("x", "in", inputs), Argument("out", "out", outputs, "out")]
     function = writer.add("run", "Run.", kernel, list(arguments))
     code = writer.code()
-    return bind(build(code, folder), code, function), code
+    return bind(build(code, folder, flags=flags), code, function), code
 
 
 def same_as_python(

@@ -41,6 +41,16 @@ def planes(**options: Any) -> Any:
     return fuzzy2.GeneralType2System(terms, RULES, numbers(9, 2), **options)
 
 
+def slices() -> Any:
+    terms = [
+        fuzzy2.ZSlices((0.5, 1.0), (pair(m), fuzzy2.IntervalType2Set(triangle(m), triangle(m))))
+        for m in CENTERS
+    ]
+    return fuzzy2.GeneralType2System(
+        [terms, terms], RULES, numbers(9, 2), method="nie_tan", default_outputs=[None, 3.0]
+    )
+
+
 def with_or_not_hedges() -> Any:
     words = [
         "IF a is low or b is very high THEN y is small",
@@ -112,6 +122,7 @@ KINDS: dict[str, Any] = {
     "t-norm hamacher": lambda: interval(t_norm="hamacher"),
     "planes": planes,
     "corollary": lambda: planes(reduction="gaussian"),
+    "planes of their own": slices,
     "or, not, hedges, weights, silence, defaults": with_or_not_hedges,
     "side by side": side_by_side,
     "clouds": of_clouds,

@@ -48,23 +48,17 @@ def test_ten_thousand_inputs_give_the_same_numbers(kind, tmp_path):
 
 @needs_gcc
 @pytest.mark.slow
+@pytest.mark.parametrize("norm", ["min", "product"])
 @pytest.mark.parametrize("kind", SLOW)
-def test_slow_kinds_give_the_same_numbers(kind, tmp_path):
-    outputs, right, codes = answers(SLOW[kind](), inputs(10_000), tmp_path)
-    assert (codes == 1).all()
-    np.testing.assert_array_equal(outputs, right)
-
-
-@needs_gcc
-def test_unions_that_need_more_memory_have_no_answer(tmp_path):
-    """Far away the lower strengths are tiny beside the upper ones, and pieces many."""
-    system = SLOW["interval mamdani"]().replace(t_norm="product", implication="product")
-    outputs, right, codes = answers(system, inputs(300), tmp_path)
+def test_unions_give_the_same_numbers_or_say_that_memory_is_short(kind, norm, tmp_path):
+    """Where lower strengths are tiny beside the upper ones, pieces are many."""
+    system = SLOW[kind]().replace(t_norm=norm, implication=norm)
+    outputs, right, codes = answers(system, inputs(10_000 if norm == "min" else 500), tmp_path)
     done = codes == 1
-    assert 0.9 < done.mean() < 1.0
+    assert done.mean() > (0.99 if norm == "min" else 0.97)
     np.testing.assert_array_equal(outputs[done], right[done])
     assert np.isnan(outputs[~done]).all()
-    assert np.isfinite(right).all()
+    assert np.isfinite(right[~done]).all()
 
 
 @needs_gcc
@@ -168,6 +162,16 @@ def test_clang_has_nothing_to_say_and_gives_the_same(kind, tmp_path):
         np.testing.assert_array_equal(out[0], out[1])
 
 
+@pytest.mark.skipif(shutil.which("cppcheck") is None, reason="no cppcheck on this machine")
+def test_a_static_check_finds_nothing(tmp_path):
+    for i, made in enumerate((KINDS | SLOW).values()):
+        fuzzy2.export_c(made(), tmp_path, name=f"system_{i}")
+    command = ["cppcheck", "--std=c99", "--enable=warning,portability,performance", "--quiet"]
+    command += ["--error-exitcode=1", str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[:2000]
+
+
 def test_the_header_says_what_there_is(tmp_path):
     system = interval().replace(
         input_names=["error", "rate"], input_ranges=[(-1.0, 1.0), (-5.0, 5.0)]
@@ -236,5 +240,5 @@ def test_what_is_no_system_is_refused():
     principal = fuzzy2.Gaussian(0.0, 0.3)
     bounded = fuzzy2.GaussianType2Set(principal, 0.1, domain=(-1.0, 1.0))
     system = fuzzy2.GeneralType2System([[bounded]], [[0]], [[1.0]])
-    with pytest.raises(NotExportable, match="GaussianType2Set"):
+    with pytest.raises(NotExportable, match="the term 'term1'"):
         fuzzy2.export_c(system, ".")

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import time
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.errors import TypingError
 
 from fuzzy2.support.compiled import chosen_by_table, compiled, only_for
@@ -92,3 +95,22 @@ def test_a_function_is_opened_for_types_one_after_the_other_and_closed_to_all_ot
         assert twice(whole)[0] == twice(one)[0] == 2
         with pytest.raises(TypeError, match="No matching definition"):
             twice("a")
+
+
+def test_who_waited_for_code_finds_it_though_the_function_is_closed_by_then() -> None:
+    """A thread that asks while another compiles, and gets its turn after :func:`only_for`."""
+
+    @compiled
+    def half(x: float) -> float:
+        return 0.5 * x
+
+    with ThreadPoolExecutor(1) as pool:
+        with global_compiler_lock:
+            waiting = pool.submit(half, 3.0)
+            while not waiting.running():
+                time.sleep(0.001)
+            time.sleep(0.05)
+            only_for(half, 1.0)
+        assert waiting.result() == 1.5
+    with pytest.raises(TypeError):
+        half(1j)

@@ -38,7 +38,7 @@ COMMANDS = (
     "export",
 )
 
-GROUPS = ("export c",)
+GROUPS = ("export c", "export fmu")
 """Commands of groups."""
 
 HEAVY = {"numpy", "scipy", "numba", "matplotlib", "pinocchio", "meshcat", "coal", "yaml"}

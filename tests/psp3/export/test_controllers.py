@@ -34,9 +34,9 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore:the Gaussian corollary:fuzzy2.ApproximationWarning"),
 ]
 
-ROBOTS = {name: psp3.load(name) for name in ("psp3", "delta", "five_bar")}
-SPREAD = {"psp3": 0.02, "delta": 0.1, "five_bar": 0.1}
-"""How far states are from the reference [m, rad]."""
+ROBOTS = {name: psp3.load(name) for name in ("psp3", "delta", "five_bar", "planar_4rrr")}
+SPREAD = {"psp3": 0.02, "delta": 0.1, "five_bar": 0.1, "planar_4rrr": 0.1}
+"""How far states are from the reference [m, rad]; the last has more motors than coordinates."""
 
 MANY = [400, pytest.param(10_000, marks=pytest.mark.slow)]
 """States that are compared: a few in a quick run."""
@@ -51,7 +51,8 @@ def gains(robot: Any) -> np.ndarray:
 def regulator(robot: Any) -> Any:
     """Return a regulator that accepts errors of 1 cm (rad/100) for forces of 30 N (N m)."""
     n = len(robot.coordinates)
-    return psp3.LinearQuadraticRegulator(robot, 1e4 * np.eye(2 * n), 1e-3 * np.eye(n))
+    weight = 1e-3 * np.eye(robot.commanded)
+    return psp3.LinearQuadraticRegulator(robot, 1e4 * np.eye(2 * n), weight)
 
 
 def along_a_path(robot: Any) -> Any:
@@ -64,9 +65,9 @@ def along_a_path(robot: Any) -> Any:
 
 
 CLASSICAL: dict[str, Callable[[Any], Any]] = {
-    "PD": lambda robot: psp3.PD(100.0, 10.0),
-    "PD of matrices": lambda robot: psp3.PD(gains(robot), 0.1 * gains(robot)),
-    "PID": lambda robot: psp3.PID(4000.0, 300.0, 50.0),
+    "PD": lambda robot: psp3.PD(100.0, 10.0, robot),
+    "PD of matrices": lambda robot: psp3.PD(gains(robot), 0.1 * gains(robot), robot),
+    "PID": lambda robot: psp3.PID(4000.0, 300.0, 50.0, robot),
     "PD with gravity": psp3.GravityCompensatedPD,
     "feed-forward": psp3.FeedForward,
     "CTC": psp3.ComputedTorque,
@@ -84,9 +85,13 @@ def test_classical_controllers_are_the_compiled_step_to_the_last_bit(
     """The robot's model is in the C code, with its loops and the pose of the step before."""
     robot = ROBOTS[name]
     controller = CLASSICAL[kind](robot)
-    in_c = ControllerInC(controller, tmp_path, robot=robot)
+    in_c, compiled = (
+        ControllerInC(controller, tmp_path, robot=robot),
+        CompiledStep(controller, robot),
+    )
     rows = states(robot, count, SPREAD[name])
-    assert not different(in_c, CompiledStep(controller, robot), rows)
+    assert not different(in_c, compiled, rows)
+    assert sum(compiled.step(*row)[0] for row in rows) > 0.5 * count
 
 
 FUZZY: dict[str, dict[str, Any]] = {
@@ -316,6 +321,21 @@ def test_single_precision_is_as_good_as_its_digits(kind: str, tmp_path: Path) ->
             errors.append(np.abs(force[:3] - right[:3]).max())
             largest = max(largest, np.abs(right[:3]).max())
     assert 0.0 < max(errors) < SINGLE[kind] * largest
+
+
+def test_a_model_with_loops_closes_them_in_single_precision(tmp_path: Path) -> None:
+    """To ten roundings of 1e-7 of the largest force."""
+    robot = ROBOTS["delta"]
+    controller = psp3.ComputedTorque(robot)
+    single = ControllerInC(controller, tmp_path, precision="single")
+    compiled = CompiledStep(controller, robot)
+    rows = states(robot, 200, SPREAD["delta"])
+    pairs = [(single.step(*row), compiled.step(*row)) for row in rows]
+    assert [one[0] for one, _ in pairs] == [other[0] for _, other in pairs]
+    errors = [np.abs(one[1] - other[1]).max() for one, other in pairs if other[0]]
+    largest = max(np.abs(other[1]).max() for _, other in pairs if other[0])
+    assert len(errors) > 100
+    assert 0.0 < max(errors) < 3e-6 * largest
 
 
 def test_the_header_says_what_a_user_must_know() -> None:

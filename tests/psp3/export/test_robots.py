@@ -15,8 +15,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+import fuzzy2
 import psp3
 from fuzzy2.errors import NotExportable
+from fuzzy2.export.systems import c_code_of
 from psp3.errors import InvalidValue, UnknownName
 from psp3.export.face import c_code
 from psp3.export.robots import FUNCTIONS
@@ -278,6 +280,15 @@ def test_the_header_says_what_stands_where() -> None:
     assert re.search(r"\b[0-9a-f]{16} is its hash", header)
     for code in range(6):
         assert re.search(rf"^ \* {code}  ", header, re.M), code
+
+
+def test_fuzzy_systems_are_written_as_fuzzy2_does() -> None:
+    """Here as there, so that one name writes all; and what is none of these is refused."""
+    terms = [[fuzzy2.Gaussian(m, 0.5) for m in (-1.0, 1.0)]]
+    system = fuzzy2.Type1System(terms, [[0], [1]], [[1.0], [2.0]])
+    assert c_code(system, name="rules").source == c_code_of(system, name="rules").source
+    with pytest.raises(NotExportable, match="a robot, a controller"):
+        c_code(3.0)
 
 
 def test_gravity_is_that_of_the_model(tmp_path: Path) -> None:

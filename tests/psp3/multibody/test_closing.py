@@ -14,9 +14,12 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
 from psp3.errors import ClosureFailed, SingularConfiguration
+from psp3.kinematics.task_driven import without_limits
 from psp3.multibody.closing import (
     CLOSED,
+    LARGEST_PREDICTED_STEP,
     LARGEST_REPAIR,
+    MOST_ATTEMPTS,
     OPEN,
     SINGULAR,
     moved_to,
@@ -285,6 +288,19 @@ def test_a_refusal_says_how_far_the_way_leads_and_how_open_the_loops_would_be() 
     end = robot.reference + caught.value.reached * (goal - robot.reference)
     assert_allclose(np.linalg.norm(_elbows(end)), 0.7, rtol=0.0, atol=1e-4)
     assert 0.05 < caught.value.residual < 0.8
+
+
+def test_a_way_that_is_too_long_is_given_up() -> None:
+    """A crank that turns for ever: ten turns are made, and of a thousand million rad some 3000."""
+    given = psp3.load("jansen")
+    model, loops = without_limits(given.model), given.constraint_models
+    robot = ClosedLoopRobot(model, loops, given.actuated, given.q0, equations=given.equations)
+    turned = robot.configuration(robot.reference + 20.0 * np.pi)
+    change = pin.difference(robot.model, robot.q0, turned)
+    assert_allclose(np.sin(change), 0.0, atol=1e-9)
+    with pytest.raises(ClosureFailed) as failed:
+        robot.configuration(robot.reference + 1e9)
+    assert 0.0 < failed.value.reached * 1e9 < MOST_ATTEMPTS * LARGEST_PREDICTED_STEP
 
 
 def test_a_path_keeps_the_assembly_mode_it_is_entered_in() -> None:

@@ -226,11 +226,11 @@ def test_file_of_another_study(study: Run) -> None:
 
 def wait_for_an_interrupt(rows: int, begun: Connection) -> None:
     """Let the command say when it has so many results, and wait there to be interrupted."""
-    shown = study_command._study_progress
+    shown = study_command.counted_progress
 
     @contextmanager
-    def held() -> Iterator[Callable[[int, int, float], None]]:
-        with shown() as progress:
+    def held(what: str) -> Iterator[Callable[[int, int, float], None]]:
+        with shown(what) as progress:
 
             def hold(done: int, total: int, rate: float) -> None:
                 progress(done, total, rate)
@@ -241,7 +241,7 @@ def wait_for_an_interrupt(rows: int, begun: Connection) -> None:
 
             yield hold
 
-    study_command._study_progress = held
+    study_command.counted_progress = held
 
 
 @pytest.mark.slow

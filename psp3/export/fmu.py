@@ -1,0 +1,204 @@
+"""Robots and controllers as functional mock-up units (FMUs), for Simulink, OpenModelica, Dymola, ….
+
+An FMU is a zip archive with a description of its variables, source code in C, and a binary for each
+platform that it is compiled for. Ours are for co-simulation under FMI 2.0: they go on by a whole
+number of periods while their inputs are constant, with the numbers of :func:`psp3.simulate`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import uuid
+import warnings
+import zipfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fuzzy2.errors import NotExportable
+from fuzzy2.support.text_files import written_whole
+from psp3.checks import checked_count, checked_positive
+from psp3.drives.drive import NO_DRIVE, Drive
+from psp3.errors import InvalidValue, SourceOnlyFMU
+from psp3.export.fmu_controller import controller_model
+from psp3.export.fmu_description import description
+from psp3.export.fmu_glue import glue
+from psp3.export.fmu_model import Model, Variable
+from psp3.export.fmu_plant import plant_model
+from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
+
+FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden", "-shared")
+"""What the compiler is told: without contraction numbers are those of the compiled loop."""
+
+_C_FILES = Path(__file__).with_name("fmi")
+_BEGINNING = (1980, 1, 1, 0, 0, 0)
+_PLATFORM = "linux64"
+
+
+@dataclass(frozen=True)
+class FMU:
+    """An FMU that was written.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    name : str
+        The identifier of the model.
+    guid : str
+        What tells it from others: the same for the same code and variables.
+    variables : tuple of Variable
+        Its variables, in the order of their value references.
+    period : float
+        The communication step [s], or the least one.
+    has_binary : bool
+        Whether it has a binary for Linux, and not source code alone.
+    """
+
+    path: Path
+    name: str
+    guid: str
+    variables: tuple[Variable, ...]
+    period: float
+    has_binary: bool
+
+
+def export_fmu(
+    thing: Any,
+    path: str | Path,
+    *,
+    robot: Any = None,
+    period: float = 0.002,
+    steps: int = 1,
+    drive: Drive | Sequence[Drive] = NO_DRIVE,
+    name: str | None = None,
+) -> FMU:
+    """Write a robot or a controller as an FMU for co-simulation, FMI 2.0.
+
+    A robot is given the forces of its motors and has its positions and speeds as outputs, in the
+    steps of :class:`psp3.simulation.runge_kutta.RungeKutta`. A controller is given positions,
+    speeds and the desired motion at the beginning of a step, and has the forces as outputs.
+    Parameters of a robot are where and how fast it starts.
+
+    Numbers are those of :func:`psp3.simulate` with the same period. Where robot and controller take
+    their steps in parallel, as most programs let them, the forces arrive one period late, as under
+    ``simulate(delay=1)``; where the controller takes each step first, they do not.
+
+    Parameters
+    ----------
+    thing : Robot, controller, or path
+        What to write; of a controller its object, or the file of a trained one.
+    path : path
+        The file to write, ``*.fmu``.
+    robot : Robot, optional
+        What the controller steers, if it does not know that.
+    period : float
+        The communication step, of which all are multiples: the control period [s].
+    steps : int
+        Steps of integration of a robot in a period.
+    drive : Drive or sequence of Drive
+        Friction and motor inertia of a robot's actuated joints.
+    name : str, optional
+        The identifier of the model; by default what the file is called.
+
+    Returns
+    -------
+    FMU
+        What was written. It has a binary where this is Linux on x86-64 with ``gcc``, and source
+        code in any case.
+
+    Raises
+    ------
+    fuzzy2.errors.NotExportable
+        If there is no C for it.
+    InvalidValue
+        If an argument is malformed.
+
+    Warns
+    -----
+    SourceOnlyFMU
+        If there is no binary in it.
+    """
+    path, period = Path(path), checked_positive("period", period)
+    identifier = _identifier(path.stem) if name is None else name
+    if not re.fullmatch(r"[A-Za-z_]\w*", identifier, re.ASCII):
+        raise InvalidValue("name", name, "an identifier of C: letters, digits and underscores")
+    steps = checked_count("steps", steps)
+    if isinstance(thing, str | Path):
+        thing = FuzzyComputedTorque.load(thing, robot)
+    if hasattr(thing, "torque") and hasattr(thing, "reset"):
+        if steps != 1 or drive != NO_DRIVE:
+            raise InvalidValue("steps or drive", (steps, drive), "left out: a controller has none")
+        model = controller_model(thing, robot, identifier, period)
+    elif hasattr(thing, "compiled_steps"):
+        model = plant_model(thing, identifier, period, steps, drive)
+    else:
+        wanted = "a robot, a controller, or the file of a trained controller"
+        raise NotExportable(type(thing).__name__, "it is no model", wanted)
+    return _written(model, path)
+
+
+def _identifier(text: str) -> str:
+    """Return an identifier of C like a text."""
+    word = re.sub(r"\W+", "_", text, flags=re.ASCII)
+    return word if word[:1].isalpha() or word[:1] == "_" else f"model_{word}"
+
+
+def _written(model: Model, path: Path) -> FMU:
+    """Write an FMU."""
+    files = {f"{model.name}.h": model.code.header, f"{model.name}.c": model.code.source}
+    files |= {one.name: one.read_text(encoding="utf-8") for one in sorted(_C_FILES.iterdir())}
+    # What identifies the FMU is a hash of all but itself.
+    guid = _guid([*files.values(), glue(model, ""), description(model, "", [])])
+    files["model.h"] = glue(model, guid)
+    sources = [file for file in files if file.endswith(".c")]
+    binary, why_not = _compiled(files, sources, model.name)
+    contents: dict[str, str | bytes] = {"modelDescription.xml": description(model, guid, sources)}
+    contents |= {f"sources/{file}": text for file, text in files.items()}
+    if binary is None:
+        warnings.warn(SourceOnlyFMU(path, why_not), stacklevel=3)
+    else:
+        contents[f"binaries/{_PLATFORM}/{model.name}.so"] = binary
+    _zip(contents, path)
+    return FMU(path, model.name, guid, model.variables, model.period, binary is not None)
+
+
+def _guid(texts: list[str]) -> str:
+    digest = hashlib.sha256("\0".join(texts).encode()).digest()
+    return f"{{{uuid.UUID(bytes=digest[:16])}}}"
+
+
+def _compiled(files: dict[str, str], sources: list[str], name: str) -> tuple[bytes | None, str]:
+    """Return a shared library, or None and why there is none."""
+    if sys.platform != "linux" or platform.machine() != "x86_64":
+        return None, "binaries are made on Linux for x86-64 only"
+    compiler = shutil.which("gcc")
+    if compiler is None:
+        return None, "there is no gcc"
+    with tempfile.TemporaryDirectory() as folder:
+        for file, text in files.items():
+            Path(folder, file).write_text(text, encoding="utf-8")
+        command = [compiler, *FLAGS, "-o", f"{name}.so", *sources, "-lm"]
+        run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        if run.returncode != 0:
+            return None, f"gcc: {run.stderr.strip()[:500]}"
+        return Path(folder, f"{name}.so").read_bytes(), ""
+
+
+def _zip(contents: dict[str, str | bytes], path: Path) -> None:
+    """Write an archive, the same one for the same contents."""
+    with (
+        written_whole(path, "wb") as file,
+        zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive,
+    ):
+        for place, content in contents.items():
+            entry = zipfile.ZipInfo(place, _BEGINNING)
+            entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
+            archive.writestr(entry, content)

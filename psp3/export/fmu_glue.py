@@ -1,0 +1,114 @@
+"""The header model.h of an FMU: what its functions in C are told of the model."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+
+from fuzzy2.export.c_code import CFunction
+from psp3.export.fmu_model import Model
+
+
+def glue(model: Model, guid: str) -> str:
+    """Return model.h, between the kernels in C and the functions of FMI.
+
+    Parameters
+    ----------
+    model : Model
+        The plant or controller.
+    guid : str
+        What binds it to its modelDescription.xml.
+    """
+    state = f"{model.name}_state" if _has_state(model) else "struct { char none; }"
+    return "\n".join(
+        [
+            f"/* {model.title}: values, and what begins the model and moves it on. */",
+            "#ifndef MODEL_H",
+            "#define MODEL_H",
+            "",
+            f'#include "{model.name}.h"',
+            "",
+            f"#define MODEL_GUID {_text(guid)}",
+            f"#define MODEL_PERIOD {model.period!r} /* s */",
+            f"#define MODEL_VALUES {len(model.variables)}",
+            "",
+            f"typedef {state} model_state;",
+            "",
+            _table("double", "start", (repr(one.start) for one in model.variables)),
+            _table("char", "causality", (f"'{one.causality[0]}'" for one in model.variables)),
+            _table("char *const", "names", (_text(one.name) for one in model.variables)),
+            "",
+            _function("begin", model, [_call(model, model.begin)]),
+            _function("show", model, _shown(model)),
+            _function("step", model, [_call(model, model.step)]),
+            _messages(model),
+            "#endif",
+            "",
+        ]
+    )
+
+
+def _has_state(model: Model) -> bool:
+    return any(function.has_state for function in model.code.functions)
+
+
+def _text(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _table(kind: str, name: str, entries: Iterable[str]) -> str:
+    rows = "".join(f"    {entry},\n" for entry in entries)
+    return f"static const {kind} model_{name}[MODEL_VALUES] = {{\n{rows}}};"
+
+
+def _call(model: Model, function: CFunction | None, state: str = "state") -> str:
+    """Return a statement that calls a function and returns 1 where all is well."""
+    if function is None:
+        return "return 1;"
+    given = [state] if function.has_state else []
+    for argument in function.visible:
+        if argument.name == "t":
+            given.append("time")
+        elif argument.role == "in" and argument.size is None:
+            given.append(f"values[{model.places[argument.name]}]")
+        else:
+            given.append(f"values + {model.places[argument.name]}")
+    call = f"{function.name}({', '.join(given)})"
+    return f"return {call};" if function.result else f"{call};\n    return 1;"
+
+
+def _shown(model: Model) -> list[str]:
+    """Return what writes the outputs before the first step."""
+    if not model.feeds_through:
+        # They were written where it began.
+        return ["return 1;"]
+    # The step to come is taken by a copy: what the model remembers stays as it is.
+    if not model.step.has_state:
+        return [_call(model, model.step)]
+    return ["model_state copy = *state;", _call(model, model.step, "&copy")]
+
+
+def _function(name: str, model: Model, lines: list[str]) -> str:
+    unused = [
+        f"(void){argument};"
+        for argument in ("state", "values", "time")
+        if not any(argument in line for line in lines)
+    ]
+    time = "" if name == "begin" else ", double time"
+    if not time:
+        unused = [line for line in unused if "time" not in line]
+    declared = [line for line in lines if line.startswith("model_state")]
+    body = [*declared, *unused, *(line for line in lines if line not in declared)]
+    text = "\n".join(f"    {line}" for line in body)
+    return f"static int model_{name}(model_state *state, double *values{time})\n{{\n{text}\n}}\n"
+
+
+def _messages(model: Model) -> str:
+    cases = "".join(
+        f"    case {code}:\n        return {_text(said)};\n"
+        for code, said in sorted(model.messages.items())
+    )
+    return (
+        "static const char *model_message(int code)\n{\n    switch (code) {\n"
+        f'{cases}    default:\n        return "the model failed";\n    }}\n}}\n'
+    )

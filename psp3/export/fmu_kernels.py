@@ -1,0 +1,81 @@
+"""What the functions of a plant do in an FMU, around the kernels of compiled loops.
+
+They are plain Python that is translated, and never compiled: what they call is.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from psp3.checks import Array
+from psp3.dynamics.compiled_robot import advance, is_state
+
+BEYOND_LIMITS = -1
+"""What is returned where the first coordinate is beyond its limits; one less for each that follows.
+"""
+
+
+def restart(robot: Any, reference: Array) -> None:
+    """Let the robot begin in the reference pose, if it looks for poses at all."""
+    for i in range(reference.size):
+        robot.memory[i] = reference[i]
+
+
+def is_within(motion: Array, low: Array, high: Array) -> int:
+    """Return 1 where all positions are within their limits, or -1 - i of the first that is not."""
+    for i in range(low.size):
+        if not low[i] <= motion[i] <= high[i]:
+            return BEYOND_LIMITS - i
+    return 1
+
+
+def write_motion(motion: Array, positions: Array, speeds: Array) -> None:
+    """Write positions and speeds of a state."""
+    for i in range(positions.size):
+        positions[i] = motion[i]
+    for i in range(speeds.size):
+        speeds[i] = motion[positions.size + i]
+
+
+def begin(
+    robot: Any,
+    reference: Array,
+    low: Array,
+    high: Array,
+    motion: Array,
+    start_positions: Array,
+    start_speeds: Array,
+    positions: Array,
+    speeds: Array,
+) -> int:
+    """Put the robot into a state; return 1, 0 where it has no such pose, or -1 - i at a limit."""
+    for i in range(start_positions.size):
+        motion[i] = start_positions[i]
+    for i in range(start_speeds.size):
+        motion[start_positions.size + i] = start_speeds[i]
+    restart(robot, reference)
+    if not is_state(robot, motion):
+        return 0
+    # As in the compiled loop the first step looks for its pose from the reference.
+    restart(robot, reference)
+    write_motion(motion, positions, speeds)
+    return is_within(motion, low, high)
+
+
+def move(
+    robot: Any,
+    step: float,
+    steps: int,
+    drives: Array,
+    low: Array,
+    high: Array,
+    motion: Array,
+    forces: Array,
+    positions: Array,
+    speeds: Array,
+) -> int:
+    """Go on by one period; return 1, 0 where no pose is reached, or -1 - i at a limit."""
+    if not advance(robot, motion, forces, step, steps, drives):
+        return 0
+    write_motion(motion, positions, speeds)
+    return is_within(motion, low, high)

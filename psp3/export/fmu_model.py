@@ -1,0 +1,97 @@
+"""What an FMU is made of: C code, and the variables that its functions read and write."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from fuzzy2.export.c_code import CCode, CFunction
+
+Causality = Literal["parameter", "input", "output"]
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable of an FMU.
+
+    Parameters
+    ----------
+    name : str
+        Its name.
+    about : str
+        What it is.
+    unit : str
+        Its unit as FMI writes it, ``"N.m"``; empty for none.
+    causality : {"parameter", "input", "output"}
+        A parameter is set before the simulation begins.
+    start : float
+        What it is until it is set; of an output nothing.
+    """
+
+    name: str
+    about: str
+    unit: str
+    causality: Causality
+    start: float = 0.0
+
+
+@dataclass(frozen=True)
+class Model:
+    """A plant or a controller that goes on by one period in each step.
+
+    All functions of ``code`` that return something return 1 where all is well.
+
+    Parameters
+    ----------
+    code : CCode
+        Its functions in C.
+    title : str
+        What it is, a sentence.
+    variables : tuple of Variable
+        Its variables; a value reference is a place among them.
+    places : mapping of str to int
+        For each array that the functions read or write the place of its first variable.
+    begin : CFunction or None
+        Puts the state where it begins; None where there is no state.
+    step : CFunction
+        Goes on by one period; ``t`` is the time at which that begins.
+    feeds_through : bool
+        Whether outputs belong to the inputs at the beginning of a step, as of a controller, and not
+        to the end of it, as of a plant.
+    period : float
+        The period [s].
+    messages : mapping of int to str
+        What a function means by returning another number than 1.
+    """
+
+    code: CCode
+    title: str
+    variables: tuple[Variable, ...]
+    places: Mapping[str, int]
+    begin: CFunction | None
+    step: CFunction
+    feeds_through: bool
+    period: float
+    messages: Mapping[int, str]
+
+    @property
+    def name(self) -> str:
+        """The identifier of the model."""
+        return self.code.name
+
+    def of(self, causality: Causality) -> list[int]:
+        """Return the value references of the variables of a causality."""
+        return [i for i, one in enumerate(self.variables) if one.causality == causality]
+
+
+def in_one_row(
+    groups: Mapping[str, Sequence[Variable]],
+) -> tuple[tuple[Variable, ...], dict[str, int]]:
+    """Return the variables of arrays one after the other, and for each array where it begins."""
+    row: list[Variable] = []
+    places = {}
+    for array, group in groups.items():
+        places[array] = len(row)
+        row += group
+    return tuple(row), places

@@ -1,0 +1,145 @@
+"""A robot as the plant of an FMU: the Runge–Kutta steps of the compiled loop, in C."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from fuzzy2.errors import NotExportable
+from fuzzy2.export.c_code import Argument, CFunction, CWriter, Known, Mixed
+from psp3.checks import Array
+from psp3.drives.drive import Drive
+from psp3.export.fmu_kernels import BEYOND_LIMITS, begin, move
+from psp3.export.fmu_model import Model, in_one_row
+from psp3.export.fmu_names import Names, force, position, speed, variables
+from psp3.multibody.tree import AT_BEFORE
+
+_NO_REFERENCE = np.empty(0)
+
+
+def plant_model(
+    robot: Any, name: str, period: float, steps: int, drive: Drive | Sequence[Drive]
+) -> Model:
+    """Return a robot as a plant, with the steps of :mod:`psp3.simulation.runge_kutta`.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    name : str
+        An identifier of C.
+    period : float
+        Time between two changes of the forces [s].
+    steps : int
+        Steps of integration in it.
+    drive : Drive or sequence of Drive
+        Of all motors, or of each.
+
+    Raises
+    ------
+    fuzzy2.errors.NotExportable
+        If the robot has dynamics of its own class.
+    """
+    if robot.compiled_table() is None:
+        wanted = "a robot of psp3.load"
+        raise NotExportable(type(robot).__name__, "its dynamics are Python of its class", wanted)
+    names, code = Names.of(robot), CWriter(name, "double", _about(robot, period, steps))
+    begins, moves = _add_functions(code, robot, robot.compiled_steps(steps, drive), period)
+    groups = {
+        "forces": variables("force", "force", names.motors, force, "input"),
+        "positions": variables("position", "position", names.positions, position, "output"),
+        "speeds": variables("speed", "speed", names.speeds, speed, "output"),
+        "start_positions": variables(
+            *("start_position", "position at the start", names.positions, position, "parameter"),
+            robot.reference,
+        ),
+        "start_speeds": variables(
+            "start_speed", "speed at the start", names.speeds, speed, "parameter"
+        ),
+    }
+    return Model(
+        code.code(),
+        f"{robot.title}, integrated in steps of {period / steps:g} s",
+        *in_one_row(groups),
+        begins,
+        moves,
+        False,
+        period,
+        _messages(robot, names),
+    )
+
+
+def _about(robot: Any, period: float, steps: int) -> list[str]:
+    return [
+        f"{robot.title} under forces of its motors that are constant for {period:g} s, in which\n"
+        f"the classical Runge-Kutta method takes {steps} step{'s' if steps > 1 else ''}."
+    ]
+
+
+def _add_functions(
+    writer: CWriter, robot: Any, plant: Any, period: float
+) -> tuple[CFunction, CFunction]:
+    """Add what puts the robot into a state, and what moves it on."""
+    table, (low, high) = plant.robot, robot.limits
+    m, p, n = len(robot.actuated), len(low), len(robot.coordinates_v)
+    mixed, reference = _parts(table)
+    motion = Argument("motion", "positions and speeds", p + n, "state")
+    limits: list[Known | Argument] = [Known("low", low), Known("high", high), motion]
+    shown = [
+        Argument("positions", "where the robot is [m, rad]", p, "out"),
+        Argument("speeds", "its speeds [m/s, rad/s]", n, "out"),
+    ]
+    begins = writer.add(
+        "begin",
+        "Put the robot into a state.",
+        begin,
+        [
+            mixed,
+            Known("reference", reference),
+            *limits,
+            Argument("start_positions", "where the robot begins [m, rad]", p),
+            Argument("start_speeds", "with which speeds [m/s, rad/s]", n),
+            *shown,
+        ],
+        "1; 0 where there is no such pose; -1 - i where coordinate i is beyond its limits",
+    )
+    step = [Known("step", period / plant.steps), Known("steps", plant.steps)]
+    moves = writer.add(
+        "step",
+        "Go on by one period.",
+        move,
+        [
+            mixed,
+            *step,
+            Known("drives", plant.drives),
+            *limits,
+            Argument("forces", "of the motors [N, N m]", m),
+            *shown,
+        ],
+        "1; 0 where no pose is reached; -1 - i where coordinate i is beyond its limits",
+    )
+    return begins, moves
+
+
+def _parts(table: Any) -> tuple[Mixed, Array]:
+    """Return a robot's table, of which its memory is part of the struct, and the reference pose."""
+    room = "memory" if hasattr(table, "memory") else "scratch"
+    array = getattr(table, room)
+    states = {room: Argument(room, "last pose, and room to work in", array.size, "state")}
+    reference = array[: int(table.tree[AT_BEFORE])].copy() if room == "memory" else _NO_REFERENCE
+    return Mixed("robot", table, states), reference
+
+
+def _messages(robot: Any, names: Names) -> dict[int, str]:
+    messages = {
+        0: f"{robot.title} has no pose there, or reached one that it cannot take: its loops cannot "
+        "be closed, or numbers are not finite; look at the forces"
+    }
+    for i, ((name, unit), low, high) in enumerate(zip(names.positions, *robot.limits, strict=True)):
+        if high < math.inf or low > -math.inf:
+            said = f"{name} is beyond its limits, {low:.6g} to {high:.6g} {unit}"
+            messages[BEYOND_LIMITS - i] = said
+    return messages

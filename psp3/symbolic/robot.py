@@ -1,0 +1,331 @@
+r"""Dynamics of any robot with loops as functions of CasADi's symbols.
+
+The loops are closed by no iteration here: all functions take a configuration q of all joints that
+closes them. How to get from it to derivatives along the independent coordinates is a choice:
+
+- **q as parameter**: numbers from ``robot.configuration``, as along a path that is given.
+- **q as unknowns** of an optimization, with :attr:`SymbolicRobot.closure_equations` = 0 beside it.
+- **implicit differentiation**: a small motion of the independent coordinates takes q along by
+  :math:`\partial q / \partial a = E L`, with L the complement of the loops and E from velocities to
+  rates of coordinates, so that :math:`\mathrm d f / \mathrm d a = f_q\, E L`;
+  :meth:`SymbolicRobot.derivatives`.
+
+L is an expression in q, through the factored Jacobian of the closures, and so are M, C, G and all
+else; their derivatives by q, of which those along the loops mean something, contain how it changes.
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+import numpy as np
+
+from psp3.errors import InvalidValue, UnknownName
+from psp3.multibody import motion, tree
+from psp3.multibody.closing import factored
+from psp3.multibody.constraint import closure_equations
+from psp3.multibody.loops import residual_of
+from psp3.multibody.named_frames import frame_number
+from psp3.multibody.placement import place
+from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.symbolic.interpreter import Interpreter
+from psp3.symbolic.memory import Piece, piece_of, piece_with, symbols_in
+from psp3.symbolic.numbers import SX, Number, casadi
+
+NOTHING = piece_with([])
+
+WIDTHS = {tree.SCREW: 1, tree.UNBOUNDED: 2, tree.BALL: 4, tree.FREE: 7, tree.PLANAR: 4}
+"""Coordinates of each kind of element."""
+
+DIFFERENTIABLE = (
+    "inverse_dynamics",
+    "forward_dynamics",
+    "mass_matrix",
+    "coriolis_matrix",
+    "gravity",
+    "actuation_matrix",
+    "complement",
+)
+"""Functions whose derivatives along the loops can be asked for."""
+
+
+def vector(entries: list[Number]) -> SX:
+    """Return numbers and symbols as a column."""
+    return SX(casadi.vertcat(*entries)) if entries else SX(0, 1)
+
+
+def matrix(entries: list[Number], rows: int, columns: int) -> SX:
+    """Return numbers and symbols, row by row, as a matrix."""
+    return casadi.reshape(vector(entries), columns, rows).T
+
+
+class SymbolicRobot:
+    """A robot of any kind as ``casadi.Function`` objects, made when they are first asked for.
+
+    Inputs and outputs have names: ``q`` (nq,), a configuration that closes the loops,
+    ``speeds``, ``accelerations`` and ``forces`` (n,) of the independent coordinates, in the order
+    of ``robot.coordinates``. Where motors are not the coordinates, forces are those along the
+    coordinates, and :attr:`actuation_matrix` says what the motors do.
+
+    Parameters
+    ----------
+    robot : ClosedLoopRobot
+        Its numbers, gravity among them, are taken as they are now.
+
+    Raises
+    ------
+    InvalidValue
+        If it is no such robot.
+    MissingPackage
+        If CasADi is not installed: ``pip install 'psp3[symbolic]'``.
+    """
+
+    def __init__(self, robot: ClosedLoopRobot) -> None:
+        if not isinstance(robot, ClosedLoopRobot):
+            raise InvalidValue("robot", robot, 'a robot, such as psp3.load("delta")')
+        self.robot = robot
+        tables = robot.core.tables()
+        self._tree, self._numbers = piece_of(tables.tree), piece_of(tables.numbers)
+        self._start, self._counts = tables.memory, tables.tree
+        self.joints = int(self._counts[tree.INDEPENDENT])
+        self._interpreter = Interpreter()
+        self._q = SX.sym("q", robot.model.nq)
+        self._speeds = SX.sym("speeds", self.joints)
+        self._accelerations = SX.sym("accelerations", self.joints)
+        self._forces = SX.sym("forces", self.joints)
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.robot.title})"
+
+    # How kernels are asked
+
+    def _call(self, kernel: Any, memory: Piece, *arguments: Any) -> Any:
+        return self._interpreter.call(kernel, self._tree, self._numbers, memory, *arguments)
+
+    @functools.cached_property
+    def _pose(self) -> list[Number]:
+        """The memory of kernels at q: placed, with the Jacobians of the loops factored."""
+        memory = piece_of(self._start)
+        at, counts = int(self._counts[tree.AT_CONFIGURATION]), self._counts
+        memory.cells[at : at + self.robot.model.nq] = symbols_in(self._q).cells
+        last = int(counts[tree.MEMBERS])
+        self._call(place, memory, last - int(counts[tree.ELEMENTS]), last)
+        for group in range(int(counts[tree.GROUPS])):
+            self._call(residual_of, memory, group)
+            self._call(factored, memory, group)
+        return memory.cells
+
+    def _answer(self, question: int, width: int, second: Piece, third: Piece) -> list[Number]:
+        """Return what the kernel answers to a question about the pose at q."""
+        memory, out = piece_with(self._pose), piece_with([float("nan")] * width)
+        arguments = (self._tree, self._numbers, memory, second, third, 0, out, 0)
+        self._interpreter.call(motion.answer_of_pose, question, *arguments)
+        return out.cells
+
+    def _function(self, name: str, inputs: dict[str, SX], outputs: dict[str, SX]) -> Any:
+        return casadi.Function(name, [*inputs.values()], [*outputs.values()], [*inputs], [*outputs])
+
+    # Kinematics
+
+    @functools.cached_property
+    def closure_equations(self) -> Any:
+        """``q`` to ``residual``: zero where q closes the loops [m, rad].
+
+        A row of each closure equation, group by group, of which some may follow from others, then
+        one of each quaternion, and each angle that is given by cosine and sine, for its length.
+        Where frames are joined in orientation, the residual is the sine of their angle along its
+        axis, which is zero at no other pose but half turns.
+        """
+        rows = int(self._counts[tree.ROWS])
+        memory, out = piece_of(self._start), piece_with([float("nan")] * rows)
+        self._call(closure_equations, memory, symbols_in(self._q), out)
+        lengths = [self._length(e) for e in range(int(self._counts[tree.ELEMENTS]))]
+        residual = vector([*out.cells, *(length for length in lengths if length is not None)])
+        return self._function("closure_equations", {"q": self._q}, {"residual": residual})
+
+    def _element(self, e: int) -> tuple[int, int, int, int]:
+        """Return kind, places of first coordinate and velocity, and freedoms of an element."""
+        row = int(self._counts[tree.AT_ELEMENTS]) + tree.ELEMENT_INTEGERS * e
+        named = (tree.KIND, tree.INDEX_Q, tree.INDEX_V, tree.FREEDOMS)
+        kind, q, v, freedoms = (int(self._counts[row + what]) for what in named)
+        return kind, q, v, freedoms
+
+    def _length(self, e: int) -> SX | None:
+        """Return by how much the square of what must be of unit length misses one."""
+        kind, q, _, _ = self._element(e)
+        first, count = {
+            tree.UNBOUNDED: (q, 2),
+            tree.PLANAR: (q + 2, 2),
+            tree.BALL: (q, 4),
+            tree.FREE: (q + 3, 4),
+        }.get(kind, (q, 0))
+        return casadi.sumsqr(self._q[first : first + count]) - 1.0 if count else None
+
+    @functools.cached_property
+    def complement(self) -> Any:
+        """``q`` to ``L`` (nv, n), from speeds of the coordinates to velocities of all joints."""
+        n, nv, nq = self.joints, self.robot.model.nv, self.robot.model.nq
+        answered = self._answer(motion.COMPLEMENT, nq + n * nv, NOTHING, NOTHING)
+        L = matrix(answered[nq:], n, nv).T
+        return self._function("complement", {"q": self._q}, {"L": L})
+
+    @functools.cached_property
+    def configuration_rates(self) -> Any:
+        """``q``, ``speeds`` to ``rates`` (nq,): how q changes while the loops stay closed."""
+        velocities = self.complement(self._q) @ self._speeds
+        rates = SX.zeros(self.robot.model.nq)
+        for e in range(int(self._counts[tree.ELEMENTS])):
+            kind, q, v, freedoms = self._element(e)
+            coordinates = self._q[q : q + WIDTHS[kind]]
+            changed = _rates(kind, coordinates, velocities[v : v + freedoms])
+            rates[q : q + changed.shape[0]] = changed
+        inputs = {"q": self._q, "speeds": self._speeds}
+        return self._function("configuration_rates", inputs, {"rates": rates})
+
+    def frame(self, name: str) -> Any:
+        """Return ``q`` to ``position`` (3,), ``rotation`` (3, 3) and ``jacobian`` (6, n).
+
+        All in base axes; the Jacobian is linear velocity of the frame's origin, then angular
+        velocity, for unit speeds of the coordinates.
+
+        Parameters
+        ----------
+        name : str
+            Name of a frame, as of :meth:`psp3.ClosedLoopRobot.frame_placement`.
+
+        Raises
+        ------
+        UnknownName
+            If the model has no such frame.
+        """
+        model = self.robot.model
+        known = model.frames[frame_number(model, name)]
+        numbers = piece_of(self.robot.core.frame(known.parentJoint, known.placement))
+        out = self._answer(motion.FRAME, 12 + 6 * self.joints, NOTHING, numbers)
+        outputs = {
+            "rotation": matrix(out[:9], 3, 3),
+            "position": vector(out[9:12]),
+            "jacobian": matrix(out[12:], self.joints, 6).T,
+        }
+        order = ("position", "rotation", "jacobian")
+        return self._function("frame", {"q": self._q}, {what: outputs[what] for what in order})
+
+    # Dynamics
+
+    @functools.cached_property
+    def inverse_dynamics(self) -> Any:
+        """``q``, ``speeds``, ``accelerations`` to ``forces`` (n,) [N, N m]."""
+        second, third = symbols_in(self._speeds), symbols_in(self._accelerations)
+        forces = self._answer(motion.INVERSE_DYNAMICS, self.joints, second, third)
+        inputs = {"q": self._q, "speeds": self._speeds, "accelerations": self._accelerations}
+        return self._function("inverse_dynamics", inputs, {"forces": vector(forces)})
+
+    @functools.cached_property
+    def forward_dynamics(self) -> Any:
+        """``q``, ``speeds``, ``forces`` to ``accelerations`` (n,) [m/s², rad/s²]."""
+        second, third = symbols_in(self._speeds), symbols_in(self._forces)
+        found = self._answer(motion.FORWARD_DYNAMICS, self.joints, second, third)
+        inputs = {"q": self._q, "speeds": self._speeds, "forces": self._forces}
+        return self._function("forward_dynamics", inputs, {"accelerations": vector(found)})
+
+    @functools.cached_property
+    def equation_of_motion(self) -> Any:
+        """``q``, ``speeds`` to ``M`` (n, n), ``C`` (n, n) and ``G`` (n,)."""
+        n, speeds = self.joints, symbols_in(self._speeds)
+        out = self._answer(motion.EQUATION_OF_MOTION, 2 * n * n + n, speeds, speeds)
+        outputs = {
+            "M": matrix(out[: n * n], n, n),
+            "C": matrix(out[n * n : 2 * n * n], n, n),
+            "G": vector(out[2 * n * n :]),
+        }
+        inputs = {"q": self._q, "speeds": self._speeds}
+        return self._function("equation_of_motion", inputs, outputs)
+
+    @functools.cached_property
+    def mass_matrix(self) -> Any:
+        """``q`` to ``M`` (n, n)."""
+        M, _, _ = self.equation_of_motion(self._q, 0.0)
+        return self._function("mass_matrix", {"q": self._q}, {"M": M})
+
+    @functools.cached_property
+    def coriolis_matrix(self) -> Any:
+        """``q``, ``speeds`` to ``C`` (n, n)."""
+        _, C, _ = self.equation_of_motion(self._q, self._speeds)
+        inputs = {"q": self._q, "speeds": self._speeds}
+        return self._function("coriolis_matrix", inputs, {"C": C})
+
+    @functools.cached_property
+    def gravity(self) -> Any:
+        """``q`` to ``G`` (n,), the forces of gravity and of springs."""
+        _, _, G = self.equation_of_motion(self._q, 0.0)
+        return self._function("gravity", {"q": self._q}, {"G": G})
+
+    @functools.cached_property
+    def actuation_matrix(self) -> Any:
+        """``q`` to ``A`` (n, m): what the motors' forces do along the coordinates."""
+        A = self.complement(self._q).T @ casadi.DM(np.asarray(self.robot.motors))
+        return self._function("actuation_matrix", {"q": self._q}, {"A": A})
+
+    def derivatives(self, name: str) -> Any:
+        r"""Return the derivatives of a function along the independent coordinates, loops closed.
+
+        By positions, :math:`f_q\, E L`, the matrix that ``robot.inverse_dynamics_derivatives``
+        has, and by the function's other inputs. A matrix counts as its columns, one below the
+        other.
+
+        Parameters
+        ----------
+        name : str
+            A function's name, one of ``DIFFERENTIABLE``.
+
+        Returns
+        -------
+        casadi.Function
+            Of the same inputs, to ``by_positions`` and, where there are such inputs,
+            ``by_speeds``, ``by_accelerations`` or ``by_forces``.
+
+        Raises
+        ------
+        UnknownName
+            If there is no such function.
+        """
+        if name not in DIFFERENTIABLE:
+            raise UnknownName("function with derivatives", name, DIFFERENTIABLE)
+        function = getattr(self, name)
+        every = {
+            "q": self._q,
+            "speeds": self._speeds,
+            "accelerations": self._accelerations,
+            "forces": self._forces,
+        }
+        inputs = {what: every[what] for what in function.name_in()}
+        value = casadi.vec(function(*inputs.values()))
+        # The rates are linear in the speeds.
+        along = casadi.jacobian(self.configuration_rates(self._q, self._speeds), self._speeds)
+        outputs = {"by_positions": casadi.jacobian(value, self._q) @ along}
+        for what in [*inputs][1:]:
+            outputs[f"by_{what}"] = casadi.jacobian(value, inputs[what])
+        return self._function(f"{name}_derivatives", inputs, outputs)
+
+
+def _rates(kind: int, q: SX, v: SX) -> SX:
+    """Return how the coordinates of an element change with velocities in its own axes."""
+    if kind == tree.UNBOUNDED:
+        return vector([-q[1] * v[0], q[0] * v[0]])
+    if kind == tree.PLANAR:
+        c, s = q[2], q[3]
+        return vector([c * v[0] - s * v[1], s * v[0] + c * v[1], -s * v[2], c * v[2]])
+    if kind == tree.BALL:
+        return _rates_of_quaternion(q[:4], v)
+    if kind == tree.FREE:
+        u, w = q[3:6], q[6]
+        side = 2.0 * casadi.cross(u, v[:3])
+        way = v[:3] + w * side + casadi.cross(u, side)
+        return casadi.vertcat(way, _rates_of_quaternion(q[3:7], v[3:]))
+    return v
+
+
+def _rates_of_quaternion(q: SX, w: SX) -> SX:
+    u = q[:3]
+    return 0.5 * casadi.vertcat(q[3] * w + casadi.cross(u, w), -casadi.dot(u, w))

@@ -1,0 +1,746 @@
+"""FMUs, in FMPy: a program for FMUs that knows nothing of this package.
+
+Numbers are compared without a tolerance: the C code does the operations of the compiled loop in the
+same order, and the sine, cosine and square root of Python and of the compiler are those of one
+library.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import shutil
+import subprocess
+import sys
+import zipfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import fuzzy2
+import psp3
+from psp3.control.default_gains import default_gains
+from psp3.errors import InvalidValue, SourceOnlyFMU
+from psp3.export import fmu
+from psp3.export.fmu import export_fmu
+from psp3.simulation.runge_kutta import RungeKutta
+
+ROOT = Path(__file__).resolve().parents[3]
+ROBOTS = ("psp3", "five_bar", "delta")
+PERIOD = 0.002
+
+with_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
+STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
+
+
+def trajectory(robot: Any) -> Any:
+    """Return a motion of the robot."""
+    if robot.has_inverse_of_tip:
+        return psp3.trajectories.Helix(robot=robot)
+    return psp3.trajectories.Sway(robot=robot)
+
+
+def computed_torque(robot: Any) -> Any:
+    gains = {"kp": 100.0, "kv": 20.0}
+    if not robot.has_inverse_of_tip:
+        gains = default_gains(robot, "ctc")
+    return psp3.ComputedTorque(robot, **gains)
+
+
+class Instance:
+    """An FMU in FMPy; variables are got and set by their names."""
+
+    def __init__(self, path: Path, folder: Path) -> None:
+        fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
+        from fmpy.fmi2 import FMU2Slave
+
+        self.description = fmpy.read_model_description(str(path))
+        place = fmpy.extract(str(path), str(folder / f"{path.stem}_unzipped"))
+        self.fmu = FMU2Slave(
+            guid=self.description.guid,
+            unzipDirectory=place,
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            instanceName=path.stem,
+        )
+        self.fmu.instantiate()
+        self.places = {v.name: v.valueReference for v in self.description.modelVariables}
+
+    def of(self, *beginnings: str) -> list[int]:
+        """Return value references of variables by what their names begin with."""
+        return [
+            place
+            for beginning in beginnings
+            for name, place in self.places.items()
+            if name.startswith(f"{beginning}_")
+        ]
+
+    def begin(self, settings: dict[str, Any], time: float = 0.0) -> None:
+        """Initialize with settings: numbers for each beginning of names."""
+        self.fmu.reset()
+        self.fmu.setupExperiment(startTime=time)
+        for beginning, numbers in settings.items():
+            self.fmu.setReal(self.of(beginning), list(numbers))
+        self.fmu.enterInitializationMode()
+        self.fmu.exitInitializationMode()
+
+
+class Plant(Instance):
+    """A plant of ``psp3.simulate``."""
+
+    def start(self, positions: Any, speeds: Any) -> None:
+        """Begin with positions and speeds."""
+        self.begin({"start_position": positions, "start_speed": speeds})
+        self.steps = 0
+
+    def advance(self, forces: Any, duration: float) -> tuple[Any, Any]:
+        """Return positions and speeds after a step."""
+        self.fmu.setReal(self.of("force"), list(forces))
+        self.fmu.doStep(self.steps * duration, duration)
+        self.steps += 1
+        return self.state()
+
+    def state(self) -> tuple[Any, Any]:
+        """Return positions and speeds."""
+        read = self.fmu.getReal
+        return np.array(read(self.of("position"))), np.array(read(self.of("speed")))
+
+
+class Control(Instance):
+    """A controller of ``psp3.simulate``."""
+
+    is_new = True
+
+    def reset(self) -> None:
+        """Begin anew in the next step."""
+        self.is_new = True
+
+    def give(self, positions: Any, speeds: Any, desired: Any) -> None:
+        """Hand over what the controller is to know."""
+        names = ("position", "speed", "desired_position", "desired_speed", "desired_acceleration")
+        numbers = (positions, speeds, *desired[:3])
+        for name, values in zip(names, numbers, strict=True):
+            self.fmu.setReal(self.of(name), list(values))
+
+    def torque(self, t: float, positions: Any, speeds: Any, desired: Any) -> Any:
+        """Return the forces of a step."""
+        if self.is_new:
+            self.is_new = False
+            self.begin({}, t)
+        self.give(positions, speeds, desired)
+        self.fmu.doStep(t, PERIOD)
+        return self.forces()
+
+    def forces(self) -> Any:
+        """Return the forces that are there."""
+        names = [name for name in self.places if name.startswith("force_")]
+        motors = [n for n in names if not n.startswith(("force_low", "force_high"))]
+        return np.array(self.fmu.getReal([self.places[name] for name in motors]))
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    """Return a function that exports a thing once."""
+    if shutil.which("gcc") is None:
+        pytest.skip("there is no gcc")
+    folder, done = tmp_path_factory.mktemp("fmus"), {}
+
+    def write(name: str, make: Callable[[], Any], **options: Any) -> Path:
+        if name not in done:
+            done[name] = export_fmu(make(), folder / f"{name}.fmu", **options).path
+        return done[name]
+
+    return write
+
+
+@pytest.fixture
+def plant(written: Any, tmp_path: Path) -> Iterator[Callable[..., Plant]]:
+    """Return a function that opens the plant of a robot."""
+    opened = []
+
+    def open_it(name: str, robot: Any = None, **options: Any) -> Plant:
+        robot = psp3.load(name) if robot is None else robot
+        path = written("_".join([name, *options]), lambda: robot, **options)
+        opened.append(Plant(path, tmp_path / str(len(opened))))
+        return opened[-1]
+
+    yield open_it
+    for one in opened:
+        one.fmu.freeInstance()
+
+
+@pytest.fixture
+def control(written: Any, tmp_path: Path) -> Iterator[Callable[..., Control]]:
+    """Return a function that opens a controller."""
+    opened = []
+
+    def open_it(name: str, controller: Any, **options: Any) -> Control:
+        path = written(f"{name}_control", lambda: controller, **options)
+        opened.append(Control(path, tmp_path / f"control_{len(opened)}"))
+        return opened[-1]
+
+    yield open_it
+    for one in opened:
+        one.fmu.freeInstance()
+
+
+def assert_same(found: Any, expected: Any) -> None:
+    for field in ("positions", "speeds", "torque"):
+        np.testing.assert_array_equal(getattr(found, field), getattr(expected, field))
+
+
+# Side by side with the simulation.
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ROBOTS)
+def test_plant_controller_and_both_are_those_of_simulate(
+    name: str, plant: Any, control: Any
+) -> None:
+    robot = psp3.load(name)
+    path, controller = trajectory(robot), computed_torque(robot)
+    right = psp3.simulate(robot, controller, path, duration=0.6)
+    ours, theirs = plant(name), control(name, controller)
+    for result in (
+        psp3.simulate(robot, controller, path, duration=0.6, plant=ours),
+        psp3.simulate(robot, theirs, path, duration=0.6),
+        psp3.simulate(robot, theirs, path, duration=0.6, plant=ours),
+    ):
+        assert_same(result, right)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ROBOTS)
+def test_steps_taken_in_parallel_bring_forces_one_period_late(
+    name: str, plant: Any, control: Any
+) -> None:
+    """As most programs do: outputs are read, handed over, and all FMUs go on."""
+    robot = psp3.load(name)
+    path, controller = trajectory(robot), computed_torque(robot)
+    right = psp3.simulate(robot, controller, path, duration=0.3, delay=1)
+    ours, theirs = plant(name), control(name, controller)
+    desired = path(right.t)
+    ours.start(right.positions[0], right.speeds[0])
+    theirs.fmu.reset()
+    theirs.fmu.setupExperiment(startTime=0.0)
+    theirs.fmu.enterInitializationMode()
+    for k, t in enumerate(right.t):
+        positions, speeds = ours.state()
+        np.testing.assert_array_equal(positions, right.positions[k])
+        theirs.give(positions, speeds, [rows[k] for rows in desired[:3]])
+        if k == 0:
+            # Before the first step outputs belong to inputs, and remembering is left for the step.
+            theirs.forces()
+            theirs.fmu.exitInitializationMode()
+        forces = theirs.forces()
+        np.testing.assert_array_equal(forces, right.torque[k])
+        ours.fmu.setReal(ours.of("force"), list(forces))
+        theirs.fmu.doStep(t, PERIOD)
+        ours.fmu.doStep(t, PERIOD)
+
+
+COSIMULATION = """
+import sys
+from pathlib import Path
+import numpy as np
+from libcosimpy.CosimEnums import CosimVariableType
+from libcosimpy.CosimExecution import CosimExecution
+from libcosimpy.CosimObserver import CosimObserver
+from libcosimpy.CosimSlave import CosimLocalSlave
+import psp3
+robot, steps = psp3.load("delta"), 100
+places = [{}, {}]
+run = CosimExecution.from_step_size(2_000_000)
+for i, path in enumerate(sys.argv[1:3]):
+    assert run.add_local_slave(CosimLocalSlave(path, f"fmu{i}")) == i
+    names = Path(path).with_suffix(".txt").read_text().split()
+    places[i] = {name: place for place, name in enumerate(names)}
+for joint in robot.coordinates:
+    for source, name in ((1, f"force_{joint}"), (0, f"position_{joint}"), (0, f"speed_{joint}")):
+        there = 1 - source
+        run.connect_real_variables(source, places[source][name], there, places[there][name])
+for joint, goal in zip(robot.coordinates, np.load(sys.argv[3]), strict=True):
+    run.real_initial_value(1, places[1][f"desired_position_{joint}"], float(goal))
+seen = CosimObserver.create_time_series(2 * steps)
+run.add_observer(seen)
+outputs = [places[0][f"position_{joint}"] for joint in robot.coordinates]
+for place in outputs:
+    seen.start_time_series(0, place, CosimVariableType.REAL)
+run.step(steps)
+rows = [seen.time_series_real_samples(0, place, 1, steps)[2] for place in outputs]
+np.save(sys.argv[4], np.array(rows, dtype=float).T)
+"""
+
+
+@pytest.mark.slow
+def test_program_in_which_fmus_are_coupled_makes_the_same_motion(
+    written: Any, tmp_path: Path
+) -> None:
+    """libcosim, a program in C++ that reads FMUs by FMI Library, lets both take steps in parallel.
+
+    In a process of its own, which libcosim writes much into.
+    """
+    pytest.importorskip("libcosimpy", reason="libcosim is not installed")
+    robot = psp3.load("delta")
+    controller, goal = computed_torque(robot), robot.reference + 0.01 * np.arange(1, 4)
+    paths = written("delta", lambda: robot), written("delta_control", lambda: controller)
+    for path in paths:
+        with zipfile.ZipFile(path) as archive:
+            root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+        names = [str(one.get("name")) for one in root.iter("ScalarVariable")]
+        path.with_suffix(".txt").write_text("\n".join(names), encoding="utf-8")
+    np.save(tmp_path / "goal.npy", goal)
+    files = [str(path) for path in (*paths, tmp_path / "goal.npy", tmp_path / "found.npy")]
+    run([sys.executable, "-c", COSIMULATION, *files], tmp_path)
+    right = psp3.simulate(
+        robot,
+        controller,
+        psp3.trajectories.Hold(goal, robot=robot),
+        duration=100 * PERIOD,
+        delay=1,
+        initial_positions=robot.reference,
+    )
+    np.testing.assert_array_equal(np.load(tmp_path / "found.npy"), right.positions[1:])
+
+
+@pytest.mark.slow
+def test_fmpy_s_own_loop_makes_the_same_motion(written: Any) -> None:
+    """1e-9 [rad]: FMPy interpolates the forces between the times that it is given."""
+    fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
+    robot = psp3.load("five_bar")
+    right = psp3.simulate(robot, computed_torque(robot), trajectory(robot), duration=0.6)
+    names = [f"force_{motor}" for motor in robot.actuated]
+    kinds = [(name, np.float64) for name in ("time", *names)]
+    forces = np.array(
+        [(t, *row) for t, row in zip(right.t, right.torque, strict=True)], dtype=kinds
+    )
+    joints = list(robot.coordinates)
+    start = {f"start_position_{j}": x for j, x in zip(joints, right.positions[0], strict=True)}
+    start |= {f"start_speed_{j}": x for j, x in zip(joints, right.speeds[0], strict=True)}
+    found = fmpy.simulate_fmu(
+        str(written("five_bar", lambda: robot)),
+        stop_time=0.6,
+        output_interval=PERIOD,
+        start_values=start,
+        input=forces,
+    )
+    assert len(found) == len(right.t)
+    for i, joint in enumerate(joints):
+        np.testing.assert_allclose(
+            found[f"position_{joint}"], right.positions[:, i], rtol=0.0, atol=1e-9
+        )
+
+
+@pytest.mark.slow
+def test_drives_steps_and_long_communication_steps(plant: Any) -> None:
+    """Dry friction, two steps of integration in a period, and forces held for two periods."""
+    robot, drive = psp3.load("five_bar"), psp3.Drive(coulomb_friction=0.05, viscous_friction=0.1)
+    own = RungeKutta(robot, steps=2, drive=drive)
+    ours = plant("five_bar", robot, steps=2, drive=drive)
+    own.start(robot.reference, np.zeros(2))
+    ours.start(robot.reference, np.zeros(2))
+    for k in range(100):
+        forces = [0.3 * math.sin(0.2 * k), 0.1]
+        for _ in range(2):
+            right = own.advance(np.array(forces), PERIOD)
+        for found, expected in zip(ours.advance(forces, 2.0 * PERIOD), right, strict=True):
+            np.testing.assert_array_equal(found, expected)
+    # Friction is there: without it the same forces lead elsewhere.
+    free = RungeKutta(robot, steps=2)
+    free.start(robot.reference, np.zeros(2))
+    assert abs(free.advance(np.array([0.3, 0.1]), 0.1)[0] - right[0]).max() > 1e-3
+
+
+@pytest.mark.slow
+def test_robot_whose_base_floats(plant: Any) -> None:
+    robot = psp3.load("biped")
+    own, ours = RungeKutta(robot), plant("biped", robot)
+    speeds = np.zeros(len(robot.coordinates_v))
+    own.start(robot.reference, speeds)
+    ours.start(robot.reference, speeds)
+    for _ in range(20):
+        right = own.advance(np.full(len(robot.actuated), 0.1), PERIOD)
+        found = ours.advance(np.full(len(robot.actuated), 0.1), PERIOD)
+        np.testing.assert_array_equal(found[0], right[0])
+        np.testing.assert_array_equal(found[1], right[1])
+    units = {v.name: v.unit for v in ours.description.modelVariables}
+    assert units["position_root_1"] == "m"
+    assert units["position_root_7"] is None
+    assert units["speed_root_6"] == "rad/s"
+
+
+def learned(kind: str = "it2", **options: Any) -> Any:
+    helix = psp3.trajectories.Helix()
+    robot = psp3.load("psp3")
+    made = psp3.FuzzyComputedTorque(kind, robot, kp=100.0, kv=20.0, snr_db=20.0, **options)
+    return made.fit(helix)
+
+
+REMEMBER = {
+    "pid": psp3.PID,
+    "it2": learned,
+    "adaptive": lambda: psp3.AdaptiveFuzzyComputedTorque(learned("t1", learner="average")),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", REMEMBER)
+def test_controllers_that_remember_or_learned(kind: str, control: Any) -> None:
+    robot, path = psp3.load("psp3"), psp3.trajectories.Helix()
+    controller = REMEMBER[kind]()
+    ours = control(kind, controller, robot=robot)
+    for _ in range(2):
+        # Twice: a reset forgets the integral, and what was adapted.
+        controller.reset()
+        right = psp3.simulate(robot, controller, path, duration=0.4)
+        found = psp3.simulate(robot, ours, path, duration=0.4)
+        assert_same(found, right)
+    if kind == "it2":
+        low, high = (ours.fmu.getReal(ours.of(f"force_{end}")) for end in ("low", "high"))
+        assert (np.array(low) <= right.torque[-1]).all()
+        assert (right.torque[-1] <= np.array(high)).all()
+        assert (np.array(low) < np.array(high)).any()
+
+
+@pytest.mark.slow
+def test_file_of_a_controller_is_what_it_was_trained_to_be(tmp_path: Path) -> None:
+    controller = learned()
+    saved = controller.save(tmp_path / "controller.json")
+    one = export_fmu(controller, tmp_path / "it2.fmu")
+    other = export_fmu(saved, tmp_path / "again.fmu", name="it2")
+    assert one.guid == other.guid
+
+
+# What FMPy says of the files.
+
+
+@pytest.mark.slow
+@with_gcc
+@pytest.mark.parametrize("name", ROBOTS)
+def test_fmpy_finds_nothing_wrong(name: str, written: Any) -> None:
+    validation = pytest.importorskip("fmpy.validation", reason="FMPy is not installed")
+    robot = psp3.load(name)
+    assert validation.validate_fmu(str(written(name, lambda: robot))) == []
+    path = written(f"{name}_control", lambda: computed_torque(robot))
+    assert validation.validate_fmu(str(path)) == []
+
+
+@pytest.mark.slow
+def test_state_is_saved_restored_and_carried_to_another_instance(plant: Any) -> None:
+    ours, other = plant("delta"), plant("delta")
+    robot = psp3.load("delta")
+    ours.start(robot.reference, np.zeros(3))
+    other.start(robot.reference, np.zeros(3))
+    forces = np.array([0.5, -0.2, 0.1])
+    for _ in range(20):
+        ours.advance(forces, PERIOD)
+    state = ours.fmu.getFMUstate()
+    packed = ours.fmu.serializeFMUstate(state)
+    right = [ours.advance(forces, PERIOD) for _ in range(20)]
+    # The other one has stayed where it was.
+    np.testing.assert_array_equal(other.state()[0], robot.reference)
+    ours.fmu.setFMUstate(state)
+    other.fmu.setFMUstate(other.fmu.deSerializeFMUstate(packed))
+    for one in (ours, other):
+        one.steps = 20
+        for expected in right:
+            np.testing.assert_array_equal(one.advance(forces, PERIOD), expected)
+    ours.fmu.freeFMUstate(state)
+    with pytest.raises(Exception, match="fmi2DeSerializeFMUstate"):
+        ours.fmu.deSerializeFMUstate(packed[:-1])
+
+
+# What goes wrong is said, and not more than that goes wrong.
+
+
+@pytest.mark.slow
+def test_pose_that_cannot_be_reached_is_an_error_and_a_reset_mends_it(
+    plant: Any, capfd: pytest.CaptureFixture[str]
+) -> None:
+    robot, ours = psp3.load("five_bar"), plant("five_bar")
+    ours.start(robot.reference, np.zeros(2))
+    first = ours.advance([0.1, 0.1], PERIOD)
+    with pytest.raises(Exception, match="fmi2DoStep"):
+        _push(ours)
+    said = capfd.readouterr().out
+    with pytest.raises(psp3.errors.SimulationDiverged) as diverged:
+        psp3.simulate(
+            robot, _Constant([5.0, 5.0]), psp3.trajectories.Hold(robot=robot), duration=2.0
+        )
+    # At the same time as the simulation.
+    assert f"at {diverged.value.time:.9g} s: " in said
+    assert "beyond its limits" in said
+    with pytest.raises(Exception, match="fmi2DoStep"):
+        ours.advance([0.0, 0.0], PERIOD)
+    assert "reset the FMU" in capfd.readouterr().out
+    ours.start(robot.reference, np.zeros(2))
+    np.testing.assert_array_equal(ours.advance([0.1, 0.1], PERIOD), first)
+
+
+def _push(plant: Plant) -> None:
+    for _ in range(1000):
+        plant.advance([5.0, 5.0], PERIOD)
+
+
+class _Constant:
+    def __init__(self, forces: list[float]) -> None:
+        self.forces = np.array(forces)
+
+    def reset(self) -> None:
+        """Forget nothing."""
+
+    def torque(self, t: float, positions: Any, speeds: Any, desired: Any) -> Any:
+        """Return the forces, but for the first step."""
+        return self.forces if t > 0.0 else np.array([0.1, 0.1])
+
+
+@pytest.mark.slow
+def test_loops_that_do_not_close_and_numbers_that_are_none(
+    plant: Any, control: Any, capfd: pytest.CaptureFixture[str]
+) -> None:
+    robot = psp3.load("five_bar")
+    ours = plant("five_bar")
+    with pytest.raises(Exception, match="fmi2ExitInitializationMode"):
+        ours.start([-1.4, 1.4], np.zeros(2))
+    assert "its loops cannot be closed" in capfd.readouterr().out
+    with pytest.raises(Exception, match="fmi2ExitInitializationMode"):
+        ours.start([-1.6, 0.6], np.zeros(2))
+    assert "leg1_shoulder is beyond its limits, -1.5 to 1.5 rad" in capfd.readouterr().out
+    ours.start(robot.reference, np.zeros(2))
+    with pytest.raises(Exception, match="fmi2DoStep"):
+        ours.advance([math.nan, 0.0], PERIOD)
+    theirs = control("five_bar", computed_torque(robot))
+    theirs.begin({})
+    theirs.give([math.nan, 0.0], np.zeros(2), np.zeros((3, 2)))
+    with pytest.raises(Exception, match="fmi2DoStep"):
+        theirs.fmu.doStep(0.0, PERIOD)
+    assert "forces are not finite" in capfd.readouterr().out
+
+
+@pytest.mark.slow
+def test_wrong_calls_are_refused_with_a_reason(
+    plant: Any, capfd: pytest.CaptureFixture[str]
+) -> None:
+    ours = plant("five_bar")
+    robot = psp3.load("five_bar")
+    ours.start(robot.reference, np.zeros(2))
+
+    def refused(call: Callable[[], Any], why: str) -> None:
+        with pytest.raises(Exception, match="fmi2"):
+            call()
+        assert why in capfd.readouterr().out
+
+    fmi = ours.fmu
+    refused(lambda: fmi.doStep(0.0, 0.003), "is none of whole periods of 0.002 s")
+    refused(lambda: fmi.doStep(0.001, 0.002), "is none of whole periods of 0.002 s")
+    refused(lambda: fmi.doStep(0.0, 0.0), "is none of whole periods of 0.002 s")
+    refused(lambda: fmi.setReal(ours.of("position"), [0.0, 0.0]), "is an output")
+    refused(lambda: fmi.setReal(ours.of("start_speed"), [0.0, 0.0]), "is a parameter")
+    refused(lambda: fmi.getReal([1000]), "no variable of value reference 1000")
+    refused(lambda: fmi.getInteger([0]), "real numbers")
+    refused(fmi.enterInitializationMode, "reset it first")
+    # None of this has changed anything: times that are off by rounding are taken.
+    right = RungeKutta(robot)
+    right.start(robot.reference, np.zeros(2))
+    fmi.doStep(1e-12, PERIOD + 1e-13)
+    np.testing.assert_array_equal(ours.state(), right.advance(np.zeros(2), PERIOD))
+
+
+@pytest.mark.slow
+def test_start_at_another_time(plant: Any, control: Any) -> None:
+    """Time of a plant is none of its motion; of a controller's integral only differences are."""
+    robot, controller = psp3.load("five_bar"), psp3.PID(kp=5.0, kv=1.0, ki=10.0)
+    ours, theirs = plant("five_bar"), control("five_bar_pid", controller, robot=robot)
+    desired, forces = np.zeros((3, 2)), []
+    for start in (0.0, 1.0):
+        ours.begin({"start_position": robot.reference}, start)
+        theirs.begin({}, start)
+        for k in range(5):
+            theirs.give(*ours.state(), desired)
+            theirs.fmu.doStep(start + k * PERIOD, PERIOD)
+            forces.append(theirs.forces())
+            ours.fmu.setReal(ours.of("force"), list(forces[-1]))
+            ours.fmu.doStep(start + k * PERIOD, PERIOD)
+    # 1e-12: times that are seconds later have fewer digits.
+    np.testing.assert_allclose(forces[5:], forces[:5], rtol=0.0, atol=1e-12)
+    assert abs(np.diff(forces[:5], axis=0)).min() > 0.0
+
+
+@pytest.mark.slow
+@with_gcc
+def test_page_says_what_happens(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its blocks for FMPy, too, which the tests of pages leave out."""
+    pytest.importorskip("fmpy", reason="FMPy is not installed")
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "docs" / "how_to" / "fmu.md").read_text(encoding="utf-8")
+    printed: list[str] = []
+    names: dict[str, Any] = {"print": lambda *words: printed.append(" ".join(map(str, words)))}
+    found = re.findall(r"^```(?:python|py)\n(.*?)^```", page, flags=re.MULTILINE | re.DOTALL)
+    assert len(found) == 2
+    for code in found:
+        exec(compile(code, "fmu.md", "exec"), names)
+    assert printed[-1] == "0.0"
+    assert abs(names["found"] - names["goal"]).max() < 1e-3
+
+
+# The archive.
+
+
+def test_description_says_what_each_variable_is(tmp_path: Path, no_gcc: None) -> None:
+    with pytest.warns(SourceOnlyFMU, match="there is no gcc"):
+        written = export_fmu(psp3.load("psp3"), tmp_path / "my robot.fmu")
+    assert (written.name, written.period, written.has_binary) == ("my_robot", 0.002, False)
+    with zipfile.ZipFile(tmp_path / "my robot.fmu") as archive:
+        assert archive.testzip() is None
+        names = archive.namelist()
+        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    assert not [name for name in names if name.startswith("binaries")]
+    listed = {f"sources/{file.get('name')}" for file in root.iter("File")}
+    assert listed == {name for name in names if name.endswith(".c")}
+    variables = {one.get("name"): one for one in root.iter("ScalarVariable")}
+    assert list(variables) == [one.name for one in written.variables]
+    force, height, start = (
+        variables[name] for name in ("force_a1", "position_a1", "start_position_a1")
+    )
+    assert (force.get("causality"), force[0].attrib) == ("input", {"start": "0.0", "unit": "N"})
+    assert (height.get("causality"), height[0].attrib) == ("output", {"unit": "m"})
+    home = psp3.load("psp3").reference[0]
+    assert start.get("causality") == "parameter"
+    assert start[0].attrib == {"start": repr(float(home)), "unit": "m"}
+    places = [int(one.get("valueReference", -1)) for one in variables.values()]
+    assert places == list(range(len(variables)))
+    with pytest.warns(SourceOnlyFMU):
+        again = export_fmu(psp3.load("psp3"), tmp_path / "again.fmu", name="my_robot")
+    assert again.guid == written.guid
+    assert (tmp_path / "again.fmu").read_bytes() == (tmp_path / "my robot.fmu").read_bytes()
+    with pytest.warns(SourceOnlyFMU):
+        other = export_fmu(psp3.load("psp3"), tmp_path / "again.fmu", name="my_robot", steps=2)
+    assert other.guid != written.guid
+
+
+@pytest.fixture
+def no_gcc(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fmu.shutil, "which", lambda _: None)
+
+
+def test_things_that_are_no_fmu_are_refused_by_name(tmp_path: Path, no_gcc: None) -> None:
+    robot, place = psp3.load("psp3"), tmp_path / "x.fmu"
+    changed = psp3.load("psp3")
+    changed.__class__ = Changed
+    with pytest.raises(fuzzy2.errors.NotExportable, match="dict cannot be written in C"):
+        export_fmu({}, place)
+    with pytest.raises(fuzzy2.errors.NotExportable, match="give the robot: robot="):
+        export_fmu(psp3.PD(), place)
+    with pytest.raises(fuzzy2.errors.NotExportable, match="_Constant"):
+        export_fmu(_Constant([0.0, 0.0, 0.0]), place, robot=robot)
+    with pytest.raises(fuzzy2.errors.NotExportable, match="Changed"):
+        export_fmu(changed, place)
+    with pytest.raises(InvalidValue, match="identifier of C"):
+        export_fmu(robot, place, name="3-PSP")
+    with pytest.raises(InvalidValue, match="period"):
+        export_fmu(robot, place, period=-1.0)
+    with pytest.raises(InvalidValue, match="a controller has none"):
+        export_fmu(psp3.PD(), place, robot=robot, steps=2)
+    assert not list(tmp_path.iterdir())
+
+
+class Changed(psp3.PSP3):
+    """A robot with dynamics of its own."""
+
+
+DRIVER = """
+#include <stdarg.h>
+#include "fmi2.c"
+static void told(void *e, const char *n, fmi2Status s, const char *c, const char *m, ...)
+{ (void)e; (void)n; (void)s; (void)c; puts(m); }
+int main(void)
+{
+    fmi2CallbackFunctions calls = {told, calloc, free, NULL, NULL};
+    unsigned int all[MODEL_VALUES], i;
+    double values[MODEL_VALUES], later[MODEL_VALUES];
+    void *state = NULL, *c = fmi2Instantiate("%s", fmi2CoSimulation, MODEL_GUID, "", &calls, 0, 0);
+    if (fmi2Instantiate("other", fmi2CoSimulation, "other", "", &calls, 0, 0)) return 1;
+    for (i = 0; i < MODEL_VALUES; i++) all[i] = i;
+    fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0);
+    fmi2EnterInitializationMode(c);
+    if (fmi2ExitInitializationMode(c) != fmi2OK) return 2;
+    for (i = 0; i < 20; i++) if (fmi2DoStep(c, 0.002 * i, 0.002, 1) != fmi2OK) return 3;
+    if (fmi2GetFMUstate(c, &state) != fmi2OK) return 4;
+    if (fmi2DoStep(c, 0.04, 0.02, 1) || fmi2GetReal(c, all, MODEL_VALUES, later)) return 5;
+    if (fmi2SetFMUstate(c, state) || fmi2DoStep(c, 0.04, 0.02, 1)) return 6;
+    if (fmi2GetReal(c, all, MODEL_VALUES, values) != fmi2OK) return 7;
+    if (memcmp(values, later, sizeof values) != 0) return 8;
+    if (fmi2SetInteger(c, all, 1, NULL) != fmi2Error) return 9;
+    fmi2FreeFMUstate(c, &state);
+    fmi2Terminate(c);
+    fmi2FreeInstance(c);
+    return 0;
+}
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.parametrize("thing", ["plant", "controller"])
+def test_sources_compile_without_a_warning_and_run_without_a_fault(
+    compiler: str, thing: str, written: Any, tmp_path: Path
+) -> None:
+    """Under the sanitizers of addresses and of undefined behavior, where the compiler has them."""
+    if shutil.which(compiler) is None:
+        pytest.skip(f"there is no {compiler}")
+    robot = psp3.load("five_bar")
+    path = written("five_bar", lambda: robot)
+    if thing == "controller":
+        path = written("five_bar_control", lambda: computed_torque(robot))
+    with zipfile.ZipFile(path) as archive:
+        archive.extractall(tmp_path)
+    sources = tmp_path / "sources"
+    (sources / "driver.c").write_text(DRIVER % "100 percent", encoding="utf-8")
+    model = next(one.name for one in sources.glob("five_bar*.c"))
+    for file in (model, "fmi2.c"):
+        run([compiler, *STRICT, "-c", file, "-o", "/dev/null"], sources)
+    sanitized = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g"]
+    command = [compiler, "-std=c99", "-o", "driver", "driver.c", model, "-lm"]
+    if subprocess.run([*command, *sanitized], cwd=sources, capture_output=True).returncode != 0:
+        run(command, sources)
+    said = run(["./driver"], sources)
+    assert "its GUID differs" in said
+    assert "all variables of this FMU are real numbers" in said
+
+
+def run(command: list[str], folder: Path) -> str:
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, (done.returncode, done.stdout, done.stderr)
+    return done.stdout
+
+
+@pytest.mark.slow
+@with_gcc
+def test_declarations_are_those_of_the_standard(written: Any, tmp_path: Path) -> None:
+    """The header of the standard comes with FMPy: functions that differ would not compile."""
+    fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
+    with zipfile.ZipFile(written("five_bar", lambda: psp3.load("five_bar"))) as archive:
+        archive.extractall(tmp_path)
+    headers = Path(fmpy.__file__).parent / "c-code"
+    command = ["gcc", "-std=c99", "-Wall", "-Werror", f"-I{headers}", "-include"]
+    run([*command, "fmi2Functions.h", "-c", "fmi2.c", "-o", "fmi2.o"], tmp_path / "sources")
+    declared = set(_names((headers / "fmi2Functions.h").read_text(encoding="utf-8")))
+    # Those of model exchange are not for co-simulation.
+    words = run(["nm", "--defined-only", "fmi2.o"], tmp_path / "sources").split()
+    defined = {word for word in words if word.startswith("fmi2")}
+    assert defined < declared
+    assert declared - defined == {
+        *("fmi2EnterEventMode", "fmi2NewDiscreteStates", "fmi2EnterContinuousTimeMode"),
+        *("fmi2CompletedIntegratorStep", "fmi2SetTime", "fmi2SetContinuousStates"),
+        *("fmi2GetDerivatives", "fmi2GetEventIndicators", "fmi2GetContinuousStates"),
+        "fmi2GetNominalsOfContinuousStates",
+    }
+
+
+def _names(header: str) -> Iterator[str]:
+    for line in header.splitlines():
+        if line.strip().startswith("FMI2_Export fmi2") and line.rstrip().endswith(";"):
+            yield line.split()[-1].rstrip(";")
