@@ -127,8 +127,9 @@ def of_robots() -> list[Contender]:
         robot = psp3.load(name)
         inputs = typical_inputs.of_robot(robot)
         states = finite(*(inputs[key] for key in ("positions", "speeds", "accelerations")))
+        last = robot.last_pose()
         calls: list[Callable[[], object]] = [
-            lambda r=robot, s=state: r.inverse_dynamics(*s) for state in states
+            lambda r=robot, s=state, g=last: r.inverse_dynamics(*s, guess=g) for state in states
         ]
         found.append(Contender(f"inverse dynamics, {name}", robot, "inverse_dynamics", calls))
     return found
