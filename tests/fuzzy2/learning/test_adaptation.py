@@ -17,10 +17,10 @@ from hypothesis import strategies as st
 from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.learning.adaptation import AdaptiveConsequents
 from fuzzy2.learning.adaptation_kernels import basis
+from fuzzy2.sets.derived import FunctionalSet
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 from fuzzy2.sets.interval_type2 import GaussianUncertainMean, GaussianUncertainSigma
 from fuzzy2.sets.shapes import Gaussian, Triangular
-from fuzzy2.sets.sigmoids import Sigmoid
 from fuzzy2.systems import FuzzySystem, GeneralType2System, IntervalType2System, Linear, Type1System
 from fuzzy2.systems.fuzzifiers import NonSingletonFuzzifier
 
@@ -410,7 +410,7 @@ def test_systems_whose_output_is_of_another_form_are_refused() -> None:
         Type1System(terms, rules, sets, type_reduction="centroid"),
         Type1System(terms, rules, numbers, lambda a, b: a * b),
         Type1System(terms, rules, numbers, fuzzifier=NonSingletonFuzzifier(Gaussian(0.0, 0.1))),
-        Type1System([[Sigmoid(0.0, 1.0), Sigmoid(0.0, -1.0)]], rules, numbers),
+        Type1System([[FunctionalSet(np.cos, -1.0, 1.0)] * 2], rules, numbers),
     ]
     for system in systems:
         with pytest.raises(
