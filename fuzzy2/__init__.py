@@ -57,7 +57,7 @@ if TYPE_CHECKING:
     from fuzzy2.operations.set_operations import union as union
     from fuzzy2.operations.t_norms import t_conorm as t_conorm
     from fuzzy2.operations.t_norms import t_norm as t_norm
-    from fuzzy2.plots.view import view as view
+    from fuzzy2.plots.viewing import view as view
     from fuzzy2.reduction.approximate import approximate_centroid as approximate_centroid
     from fuzzy2.reduction.approximate import (
         approximate_generalized_centroid as approximate_generalized_centroid,

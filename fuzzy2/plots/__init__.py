@@ -39,6 +39,6 @@ if TYPE_CHECKING:
     from fuzzy2.plots.systems import figure_of_rule_surface as figure_of_rule_surface
     from fuzzy2.plots.type_reduced import REACH as REACH
     from fuzzy2.plots.type_reduced import figure_of_type_reduced as figure_of_type_reduced
-    from fuzzy2.plots.view import view as view
+    from fuzzy2.plots.viewing import view as view
 
 __all__, __getattr__, __dir__ = lazy_names(__name__)
