@@ -90,9 +90,16 @@ def done_by(
             if not under_way:
                 return
             # Not without end: count_workers finds out what a cluster tells nobody.
+            lost: BrokenProcessPool | CancelledError | None = None
             for future in wait(under_way, LOOK_UP, FIRST_COMPLETED).done:
-                keep(under_way[future], _outcome(future))
-                del under_way[future]
+                name = under_way.pop(future)
+                try:
+                    keep(name, _outcome(future))
+                except (BrokenProcessPool, CancelledError) as error:
+                    # Others of these have come back, and are kept.
+                    lost = error
+            if lost is not None:
+                raise lost
     except KeyboardInterrupt:
         # What has begun is soon done, and is kept.
         begun = [future for future in under_way if not future.cancel()]
