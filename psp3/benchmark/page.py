@@ -217,8 +217,10 @@ def _millimeters(estimate: Estimate) -> str:
 
 def _with_interval(estimate: Estimate, factor: float = 1.0) -> str:
     text = _short(factor * estimate.value)
-    if math.isfinite(estimate.low) and estimate.low != estimate.high:
-        text += f" ({_short(factor * estimate.low)} to {_short(factor * estimate.high)})"
+    low, high = _short(factor * estimate.low), _short(factor * estimate.high)
+    # What is the same with every seed differs by rounding, and has no interval to show.
+    if math.isfinite(estimate.low) and low != high:
+        text += f" ({low} to {high})"
     return text
 
 

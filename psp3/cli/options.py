@@ -152,6 +152,13 @@ def page_output(text: str) -> Path:
     return output_file(text)
 
 
+def fmu_output(text: str) -> Path:
+    """Refuse an FMU whose name no program would open."""
+    if Path(text).suffix.lower() != ".fmu":
+        raise typer.BadParameter(f"{text}: the name of an FMU must end in .fmu")
+    return output_file(text)
+
+
 def csv_output(text: str) -> Path:
     """Return a file to write samples to, or the sign of standard output."""
     return Path("-") if text == "-" else output_file(text)

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from psp3.cli.options import output_file
+from psp3.cli.options import fmu_output
 
 
 def fmu(
@@ -35,7 +35,7 @@ def fmu(
     out: Annotated[
         Path,
         typer.Option(
-            parser=output_file, metavar="FILE", help="File to write, *.fmu.", show_default=False
+            parser=fmu_output, metavar="FILE", help="File to write, *.fmu.", show_default=False
         ),
     ],
     period: Annotated[

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from selenium import webdriver
 
+from psp3.benchmark import page as page_of_board
 from psp3.benchmark.board import Board
 from psp3.benchmark.page import (
     COLUMNS,
@@ -22,6 +23,7 @@ from psp3.benchmark.page import (
     write_numbers,
     write_page,
 )
+from psp3.study.statistics import Estimate
 from tests.psp3.benchmark.made import board_of
 
 HOSTILE = "\"><script>alert(1)</script><img src=x onerror='alert(2)'>&amp;"
@@ -101,6 +103,15 @@ def test_the_board_has_a_row_for_every_entry_in_order_with_its_numbers(board: Bo
     assert first[3:] == ["0.100", "1.00", "1.00", "0 %", "20.0", "0.500", "1.00"]
     lost = rows[3]
     assert (lost[1], lost[6], lost[9]) == ("lost", "100 %", "–")
+
+
+@pytest.mark.parametrize(
+    ("width", "text"), [(1e-16, "0.0907"), (1e-2, "0.0907 (0.0898 to 0.0916)")]
+)
+def test_what_is_the_same_with_every_seed_has_no_interval(width: float, text: str) -> None:
+    error = 9.067e-5
+    estimate = Estimate(error, error * (1.0 - width), error * (1.0 + width), 10)
+    assert page_of_board._millimeters(estimate) == text
 
 
 def test_sentences_say_who_is_first_who_is_not_worse_and_who_has_no_place(board: Board) -> None:

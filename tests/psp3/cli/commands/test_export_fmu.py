@@ -48,6 +48,9 @@ def test_mistakes_are_said_in_one_line(psp3_command: Run) -> None:
     assert "Missing option '--out'" in answer.err
     answer = psp3_command("export", "fmu", "five_bar", "--out", "no_folder/x.fmu")
     assert "there is no directory no_folder" in answer.err
+    answer = psp3_command("export", "fmu", "five_bar", "--out", "x.txt")
+    assert "x.txt: the name of an FMU must end in .fmu" in answer.err
+    assert not Path("x.txt").exists()
     answer = psp3_command("export", "fmu", "five_bar", "--out", "x.fmu", "--name", "3 PSP")
     assert "identifier of C" in answer.err
     assert not Path("x.fmu").exists()
