@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
 
 from fuzzy2.export.c_code import CFunction
+from fuzzy2.export.c_text import comment
 from psp3.export.fmu_model import Model
 
 
@@ -22,7 +22,7 @@ def glue(model: Model, guid: str) -> str:
     state = f"{model.name}_state" if _has_state(model) else "struct { char none; }"
     return "\n".join(
         [
-            f"/* {model.title}: values, and what begins the model and moves it on. */",
+            f"/* {comment(model.title)}: values, and what begins the model and moves it on. */",
             "#ifndef MODEL_H",
             "#define MODEL_H",
             "",
@@ -53,7 +53,11 @@ def _has_state(model: Model) -> bool:
 
 
 def _text(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False)
+    """Return a text as C writes it: what is not plain by the numbers of its bytes in UTF-8."""
+    plain = (
+        chr(b) if 32 <= b < 127 and chr(b) not in '"?\\' else f"\\{b:03o}" for b in text.encode()
+    )
+    return f'"{"".join(plain)}"'
 
 
 def _table(kind: str, name: str, entries: Iterable[str]) -> str:
