@@ -42,6 +42,9 @@ FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden",
 """What the compiler is told: without contraction numbers are those of the compiled loop."""
 
 _C_FILES, _SHARED = Path(__file__).with_name("fmi"), "instance.h"
+_LONGEST = 200
+"""Letters of an identifier, after which there is room for more in the name of a file."""
+
 _BEGINNING = (1980, 1, 1, 0, 0, 0)
 _STANDARDS = {standard.version: standard for standard in (FMI2, FMI3)}
 
@@ -140,9 +143,12 @@ def export_fmu(
         If there is no binary in it.
     """
     path, period = Path(path), checked_positive("period", period)
+    if path.suffix.lower() != ".fmu":
+        raise InvalidValue("path", str(path), "a name that ends in .fmu")
     identifier = _identifier(path.stem) if name is None else name
-    if not re.fullmatch(r"[A-Za-z_]\w*", identifier, re.ASCII):
-        raise InvalidValue("name", name, "an identifier of C: letters, digits and underscores")
+    if not re.fullmatch(rf"[A-Za-z_]\w{{0,{_LONGEST - 1}}}", identifier, re.ASCII):
+        wanted = f"an identifier of C: at most {_LONGEST} letters, digits and underscores"
+        raise InvalidValue("name", name, wanted)
     steps, standard = checked_count("steps", steps), _standard(version)
     if isinstance(thing, str | Path):
         thing = FuzzyComputedTorque.load(thing, robot)
@@ -163,7 +169,7 @@ def export_fmu(
 
 def _standard(version: str) -> Standard:
     """Return a version of FMI."""
-    if version not in _STANDARDS:
+    if version not in tuple(_STANDARDS):
         raise UnknownName("version of FMI", version, list(_STANDARDS))
     return _STANDARDS[version]
 
@@ -171,12 +177,14 @@ def _standard(version: str) -> Standard:
 def _identifier(text: str) -> str:
     """Return an identifier of C like a text."""
     word = re.sub(r"\W+", "_", text, flags=re.ASCII)
-    return word if word[:1].isalpha() or word[:1] == "_" else f"model_{word}"
+    beginning = "" if word[:1].isalpha() or word[:1] == "_" else "model_"
+    return f"{beginning}{word}"[:_LONGEST]
 
 
 def _written(model: Model, path: Path, standard: Standard) -> FMU:
     """Write an FMU."""
-    files = {f"{model.name}.h": model.code.header, f"{model.name}.c": model.code.source}
+    code = model.code
+    files = {f"{code.name}.h": code.header, f"{code.name}.c": code.source}
     files |= {
         name: (_C_FILES / name).read_text(encoding="utf-8") for name in (standard.face, _SHARED)
     }
@@ -213,9 +221,9 @@ def _compiled(files: dict[str, str], sources: list[str], name: str) -> tuple[byt
         for file, text in files.items():
             Path(folder, file).write_text(text, encoding="utf-8")
         command = [compiler, *FLAGS, "-o", f"{name}.so", *sources, "-lm"]
-        run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        run = subprocess.run(command, cwd=folder, capture_output=True, check=False)
         if run.returncode != 0:
-            return None, f"gcc: {run.stderr.strip()[:500]}"
+            return None, f"gcc: {run.stderr.decode(errors='replace').strip()[:500]}"
         return Path(folder, f"{name}.so").read_bytes(), ""
 
 

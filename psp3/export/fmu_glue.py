@@ -19,18 +19,19 @@ def glue(model: Model, guid: str) -> str:
     guid : str
         What binds it to its modelDescription.xml.
     """
-    state = f"{model.name}_state" if _has_state(model) else "struct { char none; }"
+    state = f"{model.code.name}_state" if _has_state(model) else "struct { char none; }"
     return "\n".join(
         [
             f"/* {comment(model.title)}: values, and what begins the model and moves it on. */",
             "#ifndef MODEL_H",
             "#define MODEL_H",
             "",
-            f'#include "{model.name}.h"',
+            f'#include "{model.code.name}.h"',
             "",
             f"#define MODEL_GUID {_text(guid)}",
             f"#define MODEL_PERIOD {model.period!r} /* s */",
             f"#define MODEL_VALUES {len(model.variables)}",
+            f"#define MODEL_LONGEST {_longest(model)} /* bytes of a text of the model */",
             "",
             f"typedef {state} model_state;",
             "",
@@ -58,6 +59,11 @@ def _text(text: str) -> str:
         chr(b) if 32 <= b < 127 and chr(b) not in '"?\\' else f"\\{b:03o}" for b in text.encode()
     )
     return f'"{"".join(plain)}"'
+
+
+def _longest(model: Model) -> int:
+    texts = [*model.messages.values(), *(variable.name for variable in model.variables)]
+    return max(len(text.encode()) for text in texts)
 
 
 def _table(kind: str, name: str, entries: Iterable[str]) -> str:

@@ -17,6 +17,11 @@ _NOT_IN_XML = re.compile(r"[^ -~\u00a0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]
 """Characters that no XML has, and those that a name of a variable must not have: ends of lines."""
 
 
+def name_in_c(name: str) -> str:
+    """Return what the code of a model is called: never as a word of C, or what else is there."""
+    return f"code_{name}"
+
+
 @dataclass(frozen=True)
 class Variable:
     """A variable of an FMU.
@@ -50,6 +55,8 @@ class Model:
 
     Parameters
     ----------
+    name : str
+        The identifier of the model.
     code : CCode
         Its functions in C.
     title : str
@@ -76,6 +83,7 @@ class Model:
         If two variables would have one name, or there are characters that XML cannot hold.
     """
 
+    name: str
     code: CCode
     title: str
     variables: tuple[Variable, ...]
@@ -96,11 +104,6 @@ class Model:
         if count > 1:
             why = f"{count} of its variables would be called {name}"
             raise NotExportable(self.name, why, "the robot's joints other names")
-
-    @property
-    def name(self) -> str:
-        """The identifier of the model."""
-        return self.code.name
 
     def of(self, causality: Causality) -> list[int]:
         """Return the value references of the variables of a causality."""

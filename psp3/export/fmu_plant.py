@@ -15,7 +15,7 @@ from psp3.checks import Array, one_or_each
 from psp3.drives.drive import Drive
 from psp3.errors import InvalidValue
 from psp3.export.fmu_kernels import BEYOND_LIMITS, begin, move
-from psp3.export.fmu_model import Model, in_one_row
+from psp3.export.fmu_model import Model, in_one_row, name_in_c
 from psp3.export.fmu_names import Names, force, position, speed, variables
 from psp3.multibody.tree import AT_BEFORE
 
@@ -61,7 +61,7 @@ def plant_model(
         wanted = "a robot of psp3.load"
         raise NotExportable(type(robot).__name__, "its dynamics are Python of its class", wanted)
     largest = _largest_forces(torque_limit, len(robot.actuated))
-    names, code = Names.of(robot), CWriter(name, "double", _about(robot, period, steps))
+    names, code = Names.of(robot), CWriter(name_in_c(name), "double", _about(robot, period, steps))
     begins, moves = _add_functions(code, robot, robot.compiled_steps(steps, drive), period)
     groups = {
         "forces": variables("force", "force", names.motors, force, "input"),
@@ -79,6 +79,7 @@ def plant_model(
         ),
     }
     return Model(
+        name,
         code.code(),
         f"{robot.title}, integrated in steps of {period / steps:g} s",
         *in_one_row(groups),
@@ -97,7 +98,7 @@ def _largest_forces(torque_limit: ArrayLike | None, motors: int) -> Array:
     limits = one_or_each("torque_limit", torque_limit, motors)
     if not (limits > 0.0).all():
         raise InvalidValue("torque_limit", torque_limit, f"one positive number or {motors}")
-    return np.minimum(limits, NO_LIMIT)
+    return limits
 
 
 def _about(robot: Any, period: float, steps: int) -> list[str]:

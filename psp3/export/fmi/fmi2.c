@@ -184,6 +184,9 @@ FMI2_Export fmi2Status FMI2(fmi2SetupExperiment)(fmi2Component c, fmi2Boolean to
     (void)tolerance;
     (void)stopTimeDefined;
     (void)stopTime;
+    if (it->it.now.phase != INSTANTIATED) {
+        return refused(it, INITIALIZED);
+    }
     it->it.now.start_time = it->it.now.time = startTime;
     return fmi2OK;
 }

@@ -16,6 +16,7 @@
 enum phase { INSTANTIATED, INITIALIZING, RUNNING, TERMINATED, FAILED };
 
 #define REAL_ONLY "all variables of this FMU are real numbers of 64 bits"
+#define INITIALIZED "the FMU is initialized already: reset it first"
 #define NO_DERIVATIVES "this FMU offers no derivatives"
 
 /* Share of a period by which times may be off: of what rounding does to them. */
@@ -33,7 +34,7 @@ typedef struct {
 
 typedef struct {
     snapshot now;
-    char problem[512];
+    char problem[MODEL_LONGEST + 512];
 } instance;
 
 static void reset_instance(instance *it)
@@ -77,8 +78,7 @@ static int begin_instance(instance *it)
 static int enter_initialization(instance *it)
 {
     if (it->now.phase != INSTANTIATED) {
-        snprintf(it->problem, sizeof it->problem,
-                 "the FMU is initialized already: reset it first");
+        snprintf(it->problem, sizeof it->problem, INITIALIZED);
         return 0;
     }
     it->now.phase = INITIALIZING;
