@@ -34,11 +34,10 @@ def root_of(model: Model, version: str, token: dict[str, str]) -> Element:
     token : dict of str to str
         The attribute that binds the description to the code.
     """
+    about = {"fmiVersion": version, "modelName": model.name, **token}
     return Element(
         "fmiModelDescription",
-        fmiVersion=version,
-        modelName=model.name,
-        **token,
+        about,
         description=model.title,
         generationTool=f"psp3 {__version__}",
         variableNamingConvention="flat",

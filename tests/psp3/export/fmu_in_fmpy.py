@@ -144,5 +144,6 @@ class Control(Instance):
     def forces(self) -> Any:
         """Return the forces that are there."""
         names = [name for name in self.places if name.startswith("force_")]
-        motors = [n for n in names if not n.startswith(("force_low", "force_high"))]
+        ends = tuple(f"force_{end}_" for end in ("low", "high", "mean", "deviation"))
+        motors = [name for name in names if not name.startswith(ends)]
         return np.array(self.get([self.places[name] for name in motors]))

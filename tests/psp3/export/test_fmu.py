@@ -338,9 +338,9 @@ def test_controllers_of_every_kind_are_those_of_simulate(
     kind: str, control: Any, version: str
 ) -> None:
     """Their forces are the same code under all versions: one is enough."""
-    robot = psp3.load("five_bar")
+    robot = psp3.load("psp3" if kind in CLASSICAL else "five_bar")
     made = CLASSICAL[kind](robot) if kind in CLASSICAL else trained("five_bar", kind)
-    path = psp3.trajectories.Sway(robot=robot)
+    path = trajectory(robot)
     right = psp3.simulate(robot, made, path, duration=0.1)
     ours = control(f"kind {[*CLASSICAL, *ANY].index(kind)}", made, robot=robot)
     assert_same(psp3.simulate(robot, ours, path, duration=0.1), right)
