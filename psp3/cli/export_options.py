@@ -20,6 +20,7 @@ from psp3.cli.robot_options import (
 if TYPE_CHECKING:
     from psp3.drives.drive import Drive
     from psp3.robots.closed_loop_robot import ClosedLoopRobot
+    from psp3.robots.robot import Robot
 
 DRIVES = "Drives of a robot: one number for all motors, or one each"
 ROBOT_OR_CONTROLLER = (
@@ -132,7 +133,7 @@ class DriveOptions:
         ),
     ] = None
 
-    def drives(self, robot: ClosedLoopRobot) -> list[Drive]:
+    def drives(self, robot: Robot) -> list[Drive]:
         """Return a drive for each motor of a robot."""
         from psp3.drives.drive import Drive
 

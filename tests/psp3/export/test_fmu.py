@@ -426,6 +426,21 @@ def test_fmpy_finds_nothing_wrong(name: str, written: Any, version: str) -> None
     assert validation.validate_fmu(str(path)) == []
 
 
+@with_gcc
+def test_build_description_is_that_of_the_standard(tmp_path: Path) -> None:
+    """Its schema comes with FMPy, which does not look at the file."""
+    fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
+    etree = pytest.importorskip("lxml.etree", reason="lxml is not installed")
+    path = export_fmu(arm("a"), tmp_path / "arm.fmu", version="3.0").path
+    with zipfile.ZipFile(path) as archive:
+        names = archive.namelist()
+        root = etree.fromstring(archive.read("sources/buildDescription.xml"))
+    schemas = Path(fmpy.__file__).parent / "schema" / "fmi3"
+    etree.XMLSchema(file=str(schemas / "fmi3BuildDescription.xsd")).assertValid(root)
+    listed = {f"sources/{file.get('name')}" for file in root.iter("SourceFile")}
+    assert listed == {name for name in names if name.endswith(".c")}
+
+
 @pytest.mark.slow
 def test_state_is_saved_restored_and_carried_to_another_instance(plant: Any) -> None:
     ours, other = plant("delta"), plant("delta")
