@@ -44,7 +44,7 @@ static __attribute__((noinline)) unsigned used(const uint32_t *from)
     return (unsigned)((uintptr_t)from - (uintptr_t)word);
 }
 
-static __attribute__((noinline)) unsigned counts(int function, const calls_number *reads,
+static __attribute__((noinline, noclone)) unsigned counts(int function, const calls_number *reads,
                                                  calls_number *writes)
 {
     const uint32_t before = *COUNTER;
