@@ -29,6 +29,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import psp3
 from fuzzy2.errors import ApproximationWarning
+from fuzzy2.export.project import export_project as export_system
 from fuzzy2.export.project_calls import Call, calls_of, short_name, size_of
 from psp3.checks import Array
 from psp3.description.parts import ROBOTS
@@ -39,6 +40,8 @@ from tests.psp3.export import test_controllers as controllers
 
 KEPT = Path(__file__).with_name("single_precision.json")
 PAGE = KEPT.with_suffix(".md")
+
+ROBOT, CONTROLLER, SYSTEM = "Robots", "Controllers", "Fuzzy systems"
 
 ANSWERS = """
 #include "calls.h"
@@ -78,20 +81,20 @@ class Thing(NamedTuple):
 
 def things() -> dict[str, Thing]:
     """Return everything that can be exported, by name."""
-    found = {name: Thing("Robots", partial(psp3.load, name)) for name in ROBOTS}
+    found = {name: Thing(ROBOT, partial(psp3.load, name)) for name in ROBOTS}
     for name in ("psp3", "delta"):
         robot = controllers.ROBOTS[name]
         for kind, make in controllers.CLASSICAL.items():
-            found[f"{kind} of {name}"] = Thing("Controllers", partial(make, robot), name)
+            found[f"{kind} of {name}"] = Thing(CONTROLLER, partial(make, robot), name)
     learned = [("psp3", kind) for kind in controllers.FUZZY]
     learned += [("five_bar", kind) for kind in controllers.ANY]
     for name, kind in learned:
         make = partial(controllers.trained, name, kind)
-        found[f"learned, {kind}, of {name}"] = Thing("Controllers", make)
+        found[f"learned, {kind}, of {name}"] = Thing(CONTROLLER, make)
     for name in ("psp3", "five_bar"):
-        found[f"adaptive of {name}"] = Thing("Controllers", partial(_adaptive, name))
+        found[f"adaptive of {name}"] = Thing(CONTROLLER, partial(_adaptive, name))
     for kind, make in (SYSTEMS | SLOW_SYSTEMS).items():
-        found[kind] = Thing("Fuzzy systems", make)
+        found[kind] = Thing(SYSTEM, make)
     return found
 
 
@@ -102,9 +105,10 @@ def _adaptive(name: str) -> Any:
 
 def measured(thing: Thing, made: Any) -> list[dict[str, Any]]:
     """Return for each function how far its answers in single precision are from Python's."""
+    export: Any = export_system if thing.heading == SYSTEM else export_project
     options = {} if thing.robot is None else {"robot": controllers.ROBOTS[thing.robot]}
     with tempfile.TemporaryDirectory() as name:
-        code = export_project(made, name, precision="single", name="tried", **options)
+        code = export(made, name, precision="single", name="tried", **options)
         said = _answers(Path(name))
     rows = []
     for number, call in enumerate(calls_of(code)):

@@ -80,11 +80,11 @@ def measure(folder: Path, code: CCode, board: Board) -> dict[str, Needs]:
     rows = np.array([line.split() for line in _emulated(image, board).splitlines()], dtype=int)
     nothing = _flash(folder, board, _caller(code, None))
     instructions_of = read(image)
-    # What is painted begins below main: with those that call the function there.
-    callers = instructions_of.own("counts") + instructions_of.own("calls_call")
     needs = {}
     for number, function in enumerate(code.functions):
         _, instructions, stacks = rows[rows[:, 0] == number].T
+        # What is painted begins below main: with those that call the function there.
+        callers = instructions_of.own("counts") + instructions_of.depth("calls_call", function.name)
         needs[short_name(code, function)] = Needs(
             flash=_flash(folder, board, _caller(code, function)) - nothing,
             state=state_size(code),

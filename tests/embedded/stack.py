@@ -74,6 +74,12 @@ class Image:
         depths = self._depths(entry).items()
         return max(depth for address, depth in depths if entry <= address < end)
 
+    def depth(self, caller: str, called: str) -> int:
+        """Return the bytes of stack that a function takes where it calls, or jumps to, another."""
+        entry, target = self.symbols[caller], f"{self.symbols[called]:x} <"
+        depths = self._depths(entry).items()
+        return max(depth for at, depth in depths if target in self.instructions[at].operands)
+
     def _bound(self, entry: int) -> int:
         if entry in self.open:
             raise NoBound(f"{self._name(entry)} calls itself")
@@ -193,9 +199,9 @@ def _moved(one: Instruction) -> int:
         return int(match[1])
     if match := re.search(r"\[sp\], #(\d+)", operands):
         return -int(match[1])
-    if match := re.match(r"sp, (?:sp, )?#(\d+)$", operands):
-        if what.startswith(("add", "sub")):
-            return int(match[1]) * (1 if what.startswith("sub") else -1)
+    match = re.match(r"sp, (?:sp, )?#(\d+)$", operands)
+    if match and what.startswith(("add", "sub")):
+        return int(match[1]) * (1 if what.startswith("sub") else -1)
     if re.match(r"sp\b", operands) and not what.startswith(("cmp", "cmn", "tst")):
         raise NoBound(f"{one.address:x}: {what} {operands}")
     return 0

@@ -63,7 +63,8 @@ int main(void) {{ return chosen(zero); }}
 
 
 REFUSED = {
-    "calls itself": f"{KEPT} static int one(int n) {{ return n < 2 ? n : one(n - 1) * one(n / 2); }}",
+    "calls itself": f"{KEPT} static int one(int n)\n"
+    "{ return n < 2 ? n : one(n - 1) * one(n / 2); }",
     "a register holds": "static int two(int n) { return n; }\n"
     "static int (*volatile chosen)(int) = two;\n"
     f"{KEPT} static int one(int n) {{ return chosen(n) + 1; }}",
