@@ -142,8 +142,8 @@ def _of_function(call: Call, said: Array) -> dict[str, Any]:
             errors.append(max(_errors(call, one, other, scales)))
     return {
         "cases": len(found),
-        "median": float(np.median(errors)),
-        "largest": float(max(errors)),
+        "median": float(np.median(errors)) if errors else np.nan,
+        "largest": float(max(errors, default=np.nan)),
         "lost": lost,
         "more": more,
     }
@@ -177,7 +177,7 @@ def _parts(call: Call) -> list[slice]:
     return parts
 
 
-COLUMNS = "| {} | function | cases | median | largest | no answer in single | only in single |"
+COLUMNS = "| {} | function | median | largest | cases with an answer in both, or in none |"
 
 
 def page(kept: dict[str, Any]) -> str:
@@ -194,9 +194,13 @@ def page(kept: dict[str, Any]) -> str:
 
 
 def _row(name: str, row: dict[str, Any]) -> str:
-    errors = f"{row['median']:.0e} | {row['largest']:.0e}"
-    counts = (f"{row[of]}" if row[of] else "" for of in ("lost", "more"))
-    return f"| {name} | `{row['function']}` | {row['cases']} | {errors} | {' | '.join(counts)} |"
+    alike = f"{row['cases'] - row['lost'] - row['more']} of {row['cases']}"
+    if row["lost"]:
+        alike += f"; no answer in single in {row['lost']}"
+    if row["more"]:
+        alike += f"; only in single in {row['more']}"
+    median, largest = (f"{row[of]:.0e}" for of in ("median", "largest"))
+    return f"| {name} | `{row['function']}` | {median} | {largest} | {alike} |"
 
 
 def main() -> None:

@@ -153,16 +153,18 @@ class Code:
             return Ends(True, False) if added[1] == "+" else Ends(False, True)
         return NONE
 
+    def passes(self, one: Function, number: int) -> list[int]:
+        """Return the passes of the loops around a line, whose ends are written down."""
+        found = []
+        for around in _around(one, number):
+            match = FOR.match(one.lines[around])
+            assert match is not None
+            found.append(abs(int(match[4]) - int(match[2])))
+        return found
+
     def _is_passed_a_few_times(self, one: Function, number: int) -> bool:
         """Tell whether a line is only in loops whose passes have a bound."""
-        depth = _depth(one.lines[number])
-        for before in range(number - 1, -1, -1):
-            line = one.lines[before]
-            if line.strip() and _depth(line) < depth:
-                depth = _depth(line)
-                if re.search(r"\b(?:while|for)\b", line) and not self._ends(one, before):
-                    return False
-        return True
+        return all(self._ends(one, around) for around in _around(one, number))
 
     def _arguments(self) -> dict[tuple[str, str], list[Ends]]:
         """Return bounds of all that is handed over for each whole parameter."""
@@ -314,6 +316,17 @@ class _Expression:
         if base in ("quotient", "remainder"):
             return BOTH if all(given[base == "remainder"]) else NONE
         return self.code.results.get(name, NONE)
+
+
+def _around(one: Function, number: int) -> Iterator[int]:
+    """Yield the lines of the loops around a line."""
+    depth = _depth(one.lines[number])
+    for before in range(number - 1, -1, -1):
+        line = one.lines[before]
+        if line.strip() and _depth(line) < depth:
+            depth = _depth(line)
+            if re.search(r"\b(?:while|for)\b", line):
+                yield before
 
 
 def _depth(line: str) -> int:

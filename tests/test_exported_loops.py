@@ -7,6 +7,7 @@ stands here or in the tests of the translator.
 from __future__ import annotations
 
 import functools
+import math
 import re
 import warnings
 from collections.abc import Callable
@@ -17,6 +18,8 @@ import pytest
 
 import psp3
 from fuzzy2.errors import ApproximationWarning
+from fuzzy2.export.c_code import CCode
+from fuzzy2.export.project_calls import short_name
 from fuzzy2.export.systems import c_code_of
 from psp3.description.parts import ROBOTS
 from psp3.export.face import c_code
@@ -41,11 +44,11 @@ def _adaptive(name: str) -> Any:
     return psp3.AdaptiveFuzzyComputedTorque(controllers.trained(name, "it2"))
 
 
-def _controllers() -> dict[str, Callable[[], str]]:
+def _controllers() -> dict[str, Callable[[], CCode]]:
     """Return the code of a controller of each kind, with and without loops to close."""
 
-    def code(make: Callable[[], Any], name: str) -> str:
-        return c_code(make(), robot=controllers.ROBOTS[name]).source
+    def code(make: Callable[[], Any], name: str) -> CCode:
+        return c_code(make(), robot=controllers.ROBOTS[name])
 
     found = {}
     for name in ("psp3", "delta"):
@@ -67,17 +70,17 @@ CONTROLLERS = _controllers()
 
 
 @functools.cache
-def source_of(kind: str, name: str, folder: Path) -> str:
+def code_of(kind: str, name: str, folder: Path) -> CCode:
     """Return the code of a thing."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ApproximationWarning)
         if kind == "system":
-            return c_code_of((SYSTEMS | SLOW)[name]()).source
+            return c_code_of((SYSTEMS | SLOW)[name]())
         if kind == "controller":
             return CONTROLLERS[name]()
         robot = psp3.load(name) if name in ROBOTS else MAKERS[name](folder)
         frames = None if name == "psp3" else some_frames(robot)
-        return c_code(robot, name="tried", frames=frames).source
+        return c_code(robot, name="tried", frames=frames)
 
 
 THINGS = [
@@ -90,7 +93,7 @@ THINGS = [
 @pytest.mark.slow
 @pytest.mark.parametrize(("kind", "name"), THINGS)
 def test_every_loop_has_a_bound(kind: str, name: str, tmp_path: Path) -> None:
-    code = Code(source_of(kind, name, tmp_path))
+    code = Code(code_of(kind, name, tmp_path).source)
     loops = list(code.loops())
     for loop in loops:
         base = re.sub(r"^[^_]*_|_\d+$", "", loop.function)
@@ -104,7 +107,7 @@ def test_every_loop_has_a_bound(kind: str, name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(("kind", "name"), THINGS)
 def test_functions_call_only_those_before_them(kind: str, name: str, tmp_path: Path) -> None:
     """So the graph of calls has no cycle."""
-    calls, before = Code(source_of(kind, name, tmp_path)).calls(), set()
+    calls, before = Code(code_of(kind, name, tmp_path).source).calls(), set()
     for function, called in calls.items():
         assert called <= before
         before.add(function)
@@ -112,11 +115,61 @@ def test_functions_call_only_those_before_them(kind: str, name: str, tmp_path: P
 
 
 @pytest.mark.slow
+def _steps(code: Code) -> dict[str, int]:
+    """Return the most steps of Newton's method that a call of each function takes.
+
+    Of loops around them the passes are written down.
+    """
+    steps: dict[str, int] = {}
+    for name, function in code.functions.items():
+        total = 0
+        for number, line in enumerate(function.lines):
+            is_step = name.endswith("_newton") and "_solved(" in line
+            is_step = is_step or "_tip_step(" in line
+            called = [one for one in re.findall(r"\b(\w+)\(", line) if steps.get(one)]
+            passes = math.prod(code.passes(function, number)) if is_step or called else 0
+            total += passes * (is_step + sum(steps[one] for one in called))
+        steps[name] = total
+    return steps
+
+
+NEWTON = ("delta", "gough_stewart", "gripper", "biped", "planar_4rrr", "standing", "hexa")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [
+        *(("robot", name) for name in NEWTON),
+        *(("controller", name) for name in CONTROLLERS if name.endswith(" of delta")),
+    ],
+)
+def test_headers_state_the_most_steps_of_newtons_method(
+    kind: str, name: str, tmp_path: Path
+) -> None:
+    code = code_of(kind, name, tmp_path)
+    stated = re.search(r"no call takes more than (\d+) of them", code.header)
+    most, steps = 0 if stated is None else int(stated[1]), _steps(Code(code.source))
+    found = {short_name(code, one): steps[one.name] for one in code.functions}
+    # It closes the loops of the same pose once more, where nothing has to move.
+    assert found.pop("actuator_forces", 2 * most) == 2 * most
+    assert max(found.values()) == most
+    assert (stated is None) == name.startswith(("PD of", "PID of"))
+
+
+@pytest.mark.slow
+def test_the_header_of_the_closed_form_states_the_most_steps(tmp_path: Path) -> None:
+    code = code_of("robot", "psp3", tmp_path)
+    stated = re.search(r"no call takes\s+more than (\d+) steps", code.header.replace("\n *", "\n"))
+    assert stated is not None
+    assert int(stated[1]) == max(_steps(Code(code.source)).values())
+
+
 def test_reasons_are_of_loops_whose_ends_are_not_derived(tmp_path: Path) -> None:
     found = {
         re.sub(r"^[^_]*_|_\d+$", "", loop.function)
         for name in SYSTEMS | SLOW
-        for loop in Code(source_of("system", name, tmp_path)).loops()
+        for loop in Code(code_of("system", name, tmp_path).source).loops()
         if not loop.is_bounded
     }
     assert found == REASONS.keys()

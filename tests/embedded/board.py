@@ -76,15 +76,16 @@ def run_cases(folder: Path, board: Board) -> str:
 
 def measure(folder: Path, code: CCode, board: Board) -> dict[str, Needs]:
     """Return what each function of a folder needs, by its name without the prefix."""
-    image = _linked(folder, board, str(HERE / "measure.c"), "calls.c", "cases.c")
+    # It includes calls.c.
+    image = _linked(folder, board, str(HERE / "measure.c"), "cases.c")
     rows = np.array([line.split() for line in _emulated(image, board).splitlines()], dtype=int)
     nothing = _flash(folder, board, _caller(code, None))
     instructions_of = read(image)
+    # What is painted begins below main, with those that call the function there.
+    callers = instructions_of.own("counts") + instructions_of.own("calls_call")
     needs = {}
     for number, function in enumerate(code.functions):
         _, instructions, stacks = rows[rows[:, 0] == number].T
-        # What is painted begins below main: with those that call the function there.
-        callers = instructions_of.own("counts") + instructions_of.depth("calls_call", function.name)
         needs[short_name(code, function)] = Needs(
             flash=_flash(folder, board, _caller(code, function)) - nothing,
             state=state_size(code),

@@ -74,12 +74,6 @@ class Image:
         depths = self._depths(entry).items()
         return max(depth for address, depth in depths if entry <= address < end)
 
-    def depth(self, caller: str, called: str) -> int:
-        """Return the bytes of stack that a function takes where it calls, or jumps to, another."""
-        entry, target = self.symbols[caller], f"{self.symbols[called]:x} <"
-        depths = self._depths(entry).items()
-        return max(depth for at, depth in depths if target in self.instructions[at].operands)
-
     def _bound(self, entry: int) -> int:
         if entry in self.open:
             raise NoBound(f"{self._name(entry)} calls itself")

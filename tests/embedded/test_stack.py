@@ -12,8 +12,11 @@ from psp3.export.project import export_project
 from tests.embedded.board import BOARDS, COMPILER, FLAGS, LINKING, M7, Board, needs_arm
 from tests.embedded.stack import Image, NoBound, read
 from tests.embedded.things import THINGS
+from tests.processes import ROOT
 
 pytestmark = needs_arm
+
+PAGE = (ROOT / "docs" / "how_to" / "export.md").read_text(encoding="utf-8")
 
 KEPT = "__attribute__((noinline, noclone, used))"
 
@@ -77,6 +80,31 @@ def test_what_has_no_bound_is_refused(why: str, tmp_path: Path) -> None:
     program = f"{REFUSED[why]}\nint main(void) {{ volatile int n = 9; return one(n); }}\n"
     with pytest.raises(NoBound, match=why):
         image_of(program, tmp_path).bound("one")
+
+
+ONE = ("sqrt", "exp", "expm1", "log", "log1p", "sin", "cos", "tan", "asin", "acos", "atan")
+ONE += ("sinh", "cosh", "tanh", "floor", "ceil", "fabs")
+TWO = ("atan2", "hypot", "copysign", "pow")
+
+
+@pytest.mark.parametrize("precision", BOARDS)
+def test_the_c_library_takes_no_more_than_the_page_says(precision: str, tmp_path: Path) -> None:
+    """Every function of ``math.h`` that a kernel may use."""
+    suffix, item = ("f", "float") if precision == "single" else ("", "double")
+    calls = [f"x = {name}{suffix}(x);" for name in ONE] + [f"x = {n}{suffix}(x, x);" for n in TWO]
+    program = f"#include <math.h>\nvolatile {item} x;\nint main(void)\n{{ {' '.join(calls)} }}\n"
+    image = image_of(program, tmp_path, BOARDS[precision], "-fno-builtin")
+    found = {name: image.bound(f"{name}{suffix}") for name in (*ONE, *TWO)}
+    said = re.search(
+        r"take at most (\d+) bytes in single and (\d+) in double precision, powers (\d+) and (\d+)",
+        " ".join(PAGE.split()),
+    )
+    assert said is not None
+    most, powers = (int(number) for number in said.groups()[precision == "double" :: 2])
+    turning = {found.pop(name) for name in ("sin", "cos", "tan")}
+    assert 0.8 * most < max(turning) <= most
+    assert 0.8 * powers < found["pow"] <= powers
+    assert max(found.values()) == found["pow"]
 
 
 @pytest.mark.slow
