@@ -142,8 +142,8 @@ def _of_function(call: Call, said: Array) -> dict[str, Any]:
             errors.append(max(_errors(call, one, other, scales)))
     return {
         "cases": len(found),
-        "median": float(np.median(errors)) if errors else np.nan,
-        "largest": float(max(errors, default=np.nan)),
+        "median": float(f"{np.median(errors) if errors else np.nan:.2e}"),
+        "largest": float(f"{max(errors, default=np.nan):.2e}"),
         "lost": lost,
         "more": more,
     }

@@ -301,7 +301,7 @@ def _reference(table: Any) -> Array:
 
 def _iterations(table: Any) -> list[str]:
     """Return how many steps of Newton's method the model of a controller takes at most."""
-    model = getattr(table, "model", None)
+    model: Any = getattr(table, "model", None)
     if not hasattr(model, "memory"):
         return []
     return [robot_text.bound_of_time(int(model.tree[GROUPS]), MOST_ATTEMPTS)]
