@@ -8,7 +8,7 @@ function most(node,    i, one, deepest)
             one = most(called[node, i])
             deepest = one > deepest ? one : deepest
         }
-        known[node] = own[node] + deepest
+        known[node] = (node in own ? own[node] : 0) + deepest
     }
     return known[node]
 }
