@@ -5,6 +5,7 @@ Each error carries the values it is about and says what to do.
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Sequence
 from typing import Any, Self
 
@@ -91,6 +92,36 @@ class MalformedFile(Fuzzy2Error, ValueError):
     def __init__(self, source: str, place: str, reason: str) -> None:
         self.source, self.place, self.reason = source, place, reason
         super().__init__(f"{source}, {place}: {reason}")
+
+
+class FileNotWritten(Fuzzy2Error, OSError):
+    """A file cannot be written.
+
+    An ``OSError``, with its ``errno``, ``strerror`` and ``filename``.
+    """
+
+    def __init__(self, number: int, reason: str, path: str) -> None:
+        self.errno, self.strerror, self.filename = number, reason, path
+
+    def __str__(self) -> str:
+        remedy = _REMEDIES.get(self.errno or 0, "give another place")
+        return f"{self.filename}: {self.strerror}; {remedy}"
+
+
+_FREE_SPACE = "free space on its disk, or give another place"
+_ALLOWED = "allow writing to it and its folder, or give another place"
+_REMEDIES = {
+    errno.ENOSPC: _FREE_SPACE,
+    errno.EDQUOT: _FREE_SPACE,
+    errno.EFBIG: "raise the largest size of a file (ulimit -f), or give another place",
+    errno.EACCES: _ALLOWED,
+    errno.EPERM: _ALLOWED,
+    errno.EROFS: "its file system is read-only, give another place",
+    errno.ENOENT: "make the folder first",
+    errno.ENOTDIR: "a part of the path is a file and no folder, give another one",
+    errno.EISDIR: "it is a folder, give the name of a file in it",
+    errno.ENAMETOOLONG: "give a shorter name",
+}
 
 
 class NotExpressible(Fuzzy2Error, ValueError):

@@ -19,7 +19,7 @@ from fuzzy2.export.project_cases import CASES, Cases, drawn
 from fuzzy2.export.project_readme import readme
 from fuzzy2.export.systems import c_code_of, system_of
 from fuzzy2.support.checks import Array
-from fuzzy2.support.text_files import write_text
+from fuzzy2.support.text_files import made_folder, write_text
 from fuzzy2.systems.anya import AnYaSystem
 from fuzzy2.systems.parallel import ParallelSystem
 
@@ -69,7 +69,7 @@ def write_project(code: CCode, folder: str | Path, inputs: Mapping[str, Array]) 
     for name in ("main.c", "test.c", "Makefile", "stack.awk"):
         text = (TEMPLATES / name).read_text(encoding="utf-8")
         texts[name] = text.replace("@NAME@", code.name).replace("@CPU@", CPUS[code.precision.name])
-    where.mkdir(parents=True, exist_ok=True)
+    made_folder(where)
     for name, text in texts.items():
         write_text(text, where / name)
     return [*code.write(where), *(where / name for name in texts)]

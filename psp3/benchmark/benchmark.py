@@ -11,6 +11,7 @@ from concurrent.futures import CancelledError
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 
+from fuzzy2.support.text_files import made_folder
 from psp3.benchmark.baselines import BASELINES, NEED_SCIKIT_LEARN, REFERENCE
 from psp3.benchmark.board import Board
 from psp3.benchmark.entries import Entry, load_entry
@@ -182,8 +183,7 @@ class Benchmark:
         count = (
             len(os.sched_getaffinity(0)) if workers is None else checked_count("workers", workers)
         )
-        self.directory.mkdir(parents=True, exist_ok=True)
-        file = OutcomeFile(self.directory / FILE)
+        file = OutcomeFile(made_folder(self.directory) / FILE)
         wanted: dict[str, tuple[Trial, Entry]] = {}
         for trial in self.trials():
             for entry in self.entries.values():

@@ -220,7 +220,7 @@ class Study:
         ------
         InvalidValue
             If it is the study's own file.
-        OSError
+        fuzzy2.errors.FileNotWritten
             If it cannot be written.
         """
         path = Path(path)
