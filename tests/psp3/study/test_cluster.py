@@ -308,3 +308,31 @@ def test_lost_scheduler_ends_the_study_with_what_was_done(
     assert count_rows(path) == 3
     monkeypatch.setattr(study, "execute", invented)
     assert Study(path, runs).run() == 37
+
+
+def test_scheduler_that_falls_silent_ends_the_study_with_what_was_done(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As when the network between stalls: nothing is refused, and nothing comes."""
+    ours, theirs = PROCESSES.Pipe()
+    server = start(serve, theirs)
+    address = answer_of(server, ours)
+
+    def stop(done: int, total: int, rate: float) -> None:
+        if done == 3:
+            os.kill(server.pid or 0, signal.SIGSTOP)
+
+    monkeypatch.setattr(study, "execute", invented_for_few)
+    monkeypatch.setattr(study, "LOOK_UP", 0.1)
+    monkeypatch.setattr(cluster, "ASKED_AGAIN", 0.1)
+    monkeypatch.setattr(cluster, "SILENCE", 2.0)
+    try:
+        with (
+            # How long its client waits for an answer to its farewell.
+            dask.config.set({"distributed.comm.timeouts.connect": "1s"}),
+            pytest.raises(SchedulerUnavailable, match="connection was lost after 3 of 40 runs"),
+        ):
+            Study(path, grid(snr_db=20.0, seed=range(40))).run(scheduler=address, progress=stop)
+    finally:
+        server.kill()
+    assert count_rows(path) == 3
