@@ -44,6 +44,9 @@ TRIALS = 400
 SIZE = 200_000
 """Numbers of runs of a study and of trials of a benchmark, and characters of what is saved."""
 
+PACKAGES = ("/psp3/", "/fuzzy2/")
+"""What is in the path of a file of ours; an interrupt before we are called is outside."""
+
 LETTERS = "abcdefghij"
 
 
@@ -67,7 +70,7 @@ def _told(answers: Connection, work: Callable[[Callable[[int], None]], None]) ->
         end = Told("StudyInterrupted", error.done, time.monotonic())
     except BaseException as error:
         frames = traceback.extract_tb(error.__traceback__)
-        ours = any("/psp3/" in frame.filename for frame in frames)
+        ours = any(folder in frame.filename for frame in frames for folder in PACKAGES)
         end = Told(type(error).__name__ if ours else "outside", 0, time.monotonic())
     answers.send(end)
 
@@ -110,7 +113,7 @@ def _runs() -> Any:
 
 
 def _benchmark(folder: Path) -> Benchmark:
-    return Benchmark(folder, ["anfis"], robots=["five_bar"], seeds=TRIALS, duration=0.1)
+    return Benchmark(folder, ["anfis"], robots=["delta"], seeds=TRIALS, duration=0.1)
 
 
 def _outcome(*_: object) -> dict[str, Any]:
