@@ -28,9 +28,9 @@ CODES = (
 
 KINDS = {
     "JointModelFreeFlyer": "position, then quaternion (x, y, z, w) of unit length; its speeds are "
-    "linear, then\n   angular, in its own axes",
+    "linear, then angular, in its own axes",
     "JointModelPlanar": "position in a plane, then cosine and sine; its speeds are linear, then "
-    "angular,\n   in its own axes",
+    "angular, in its own axes",
     "JointModelSpherical": "quaternion (x, y, z, w) of unit length; its speeds are angular, in its "
     "own axes",
 }
