@@ -26,6 +26,7 @@ from psp3.control.kernels import (
     Classical,
 )
 from psp3.control.linear_quadratic_kernels import Regulation
+from psp3.control.task_space_kernels import TaskLaw
 from psp3.errors import InvalidValue
 from psp3.export import controller_kernels as kernels
 from psp3.export import single
@@ -41,7 +42,8 @@ from psp3.version import __version__
 KINDS: dict[type, tuple[Any, Any, tuple[str, ...]]] = {
     Classical: (kernels.reset_classical, kernels.step, ()),
     Regulation: (kernels.reset_regulation, kernels.step, ()),
-    FuzzyRun: (kernels.reset_learned, kernels.learned_step, ("_estimate",)),
+    TaskLaw: (kernels.reset_model, kernels.step, ()),
+    FuzzyRun: (kernels.reset_model, kernels.learned_step, ("_estimate",)),
     Adaptive: (kernels.reset_adaptive, kernels.learned_step, ()),
     SlotineLi: (kernels.reset_slotine_li, kernels.learned_step, ("_write_basis",)),
 }
@@ -217,7 +219,7 @@ def _arguments(exported: Exported) -> list[Argument]:
         ),
         Argument("torque", f"forces of the motors {_force_units(exported)}", m, "out"),
     ]
-    if isinstance(exported.table, Classical | Regulation):
+    if isinstance(exported.table, Classical | Regulation | TaskLaw):
         return arguments
     flags = f"whether the inputs were in the trained range; whether {_FELL}"
     return [
@@ -318,6 +320,8 @@ def _law(exported: Exported) -> list[str]:
         return [_regulator_law(table)]
     if isinstance(table, Classical):
         return [_classical_law(table, exported.widths.commanded)]
+    if isinstance(table, TaskLaw):
+        return [_task_law(exported)]
     return [_learned_law(exported), _range(exported)]
 
 
@@ -359,6 +363,18 @@ def _regulator_law(table: Regulation) -> str:
         return f"{law},\nwith gains that change every {table.gain_period:g} s, {samples} times"
     rows = table.gains.reshape(k, -1).tolist()
     return f"{law}, e = desired - found\nK = {[[float(f'{g:.6g}') for g in row] for row in rows]}"
+
+
+def _task_law(exported: Exported) -> str:
+    controller, table = exported.controller, exported.table
+    return (
+        f"torque that gives {', '.join(controller.space.task)} of the frame "
+        f"{controller.space.frame!r} the accelerations\n"
+        f"x_d'' + kv e' + kp e, e = x_d - x, kp = {table.kp:g} 1/s^2, kv = {table.kv:g} 1/s, where "
+        "the desired\nmotion of the coordinates takes it. Near singular poses it stops short: "
+        f"the smallest singular\nvalue of the Jacobian is kept above a quarter of "
+        f"{table.threshold:g}."
+    )
 
 
 def _learned_law(exported: Exported) -> str:
