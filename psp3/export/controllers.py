@@ -18,6 +18,7 @@ from fuzzy2.export.c_code import Argument, CCode, CWriter, Known, Mixed
 from fuzzy2.export.systems import without_shapes
 from psp3.checks import Array, checked_count, checked_positive, one_or_each
 from psp3.control.controller import Widths, widths_of
+from psp3.control.feedback import check_feedback
 from psp3.control.kernels import (
     COMPUTED_TORQUE,
     FEED_FORWARD,
@@ -103,7 +104,8 @@ def code_of(
     fuzzy2.errors.NotExportable
         If the controller has no table.
     InvalidValue
-        If a limit or a period is not positive, or a resolution is negative.
+        If a limit or a period is not positive, or a resolution is negative; or, as of
+        :func:`psp3.simulate`, if forces along coordinates are none of the robot's motors.
     """
     if isinstance(thing, str | Path):
         if not str(thing).endswith(".json"):
@@ -133,6 +135,7 @@ def _exported(controller: Any, robot: Any) -> Exported:
         robot = robot_of(controller)
     if robot is None:
         raise NotExportable(title, "it does not know its robot", "the robot: robot=...")
+    check_feedback(robot, controller)
     widths = widths_of(robot)
     controller.reset()
     table = controller.table(NO_MODEL, widths) if hasattr(controller, "table") else None

@@ -52,7 +52,8 @@ DIRECT, LEARNED, CLOSED = 2e-6, 1e-4, 1e-4
 FLOATING, FEWER = "walker", "gripper"
 """Four motors and a floating base; one motor, which two springs follow."""
 
-ANY = ("psp3", "delta", "planar_4rrr", FLOATING, FEWER)
+WITHOUT_MODEL = ("psp3", "planar_4rrr", FLOATING)
+"""The second has more motors than coordinates."""
 
 
 def gains(robot: Any) -> np.ndarray:
@@ -92,19 +93,23 @@ def on_a_frame(robot: Any) -> Any:
 
 
 CLASSICAL: dict[str, Kind] = {
-    "PD": Kind(lambda robot: psp3.PD(100.0, 10.0, robot), ANY, DIRECT),
+    "PD": Kind(lambda robot: psp3.PD(100.0, 10.0, robot), WITHOUT_MODEL, DIRECT),
     "PD of matrices": Kind(
-        lambda robot: psp3.PD(gains(robot), 0.1 * gains(robot), robot), ANY, DIRECT
+        lambda robot: psp3.PD(gains(robot), 0.1 * gains(robot), robot), WITHOUT_MODEL, DIRECT
     ),
-    "PID": Kind(lambda robot: psp3.PID(4000.0, 300.0, 50.0, robot), ANY, DIRECT),
-    "PD with gravity": Kind(psp3.GravityCompensatedPD, ANY, CLOSED),
-    "feed-forward": Kind(psp3.FeedForward, ANY, CLOSED),
-    "CTC": Kind(psp3.ComputedTorque, (*ANY, "five_bar"), CLOSED),
+    "PID": Kind(
+        lambda robot: psp3.PID(4000.0, 300.0, 50.0, robot), (*WITHOUT_MODEL[:2], FEWER), DIRECT
+    ),
+    "PD with gravity": Kind(psp3.GravityCompensatedPD, (*WITHOUT_MODEL, FEWER), CLOSED),
+    "feed-forward": Kind(psp3.FeedForward, ("psp3", "delta", FEWER, FLOATING), CLOSED),
+    "CTC": Kind(psp3.ComputedTorque, ("psp3", "delta", "five_bar", "planar_4rrr", FEWER), CLOSED),
     "CTC of a robot that floats": Kind(
         lambda robot: psp3.ComputedTorque(robot, 100.0, 20.0), (FLOATING,), CLOSED, FLOATING
     ),
     "CTC with an integral": Kind(
-        lambda robot: WithIntegral(robot, 100.0, 20.0, 30.0), ANY[:3], CLOSED
+        lambda robot: WithIntegral(robot, 100.0, 20.0, 30.0),
+        ("psp3", "delta", "planar_4rrr"),
+        CLOSED,
     ),
     "LQR": Kind(regulator, ("psp3", "five_bar", "planar_4rrr", "rod"), CLOSED, "planar_4rrr"),
     "LQR along a path": Kind(along_a_path, ("psp3", "five_bar", "planar_4rrr"), CLOSED),
@@ -150,21 +155,32 @@ def trained(robot: Any, kind: str) -> Any:
 LEARNS = ("psp3", "five_bar", "delta")
 """Robots whose coordinates are their motors, as those must be that are learned from."""
 
-FUZZY: dict[str, Kind] = {
-    kind: Kind(lambda robot, kind=kind: trained(robot, kind), LEARNS, LEARNED) for kind in OPTIONS
-}
-ADAPTIVE: dict[str, Kind] = {
-    f"adaptive, {kind}": Kind(
-        lambda robot, kind=kind: psp3.AdaptiveFuzzyComputedTorque(made(kind, robot.title)),
-        LEARNS,
+DERIVES = ("five_bar", "delta", "arm")
+"""Robots whose C may come from M."""
+
+
+def _learned(kind: str) -> Kind:
+    robots = DERIVES if kind.startswith("C of M") else LEARNS
+    return Kind(lambda robot: trained(robot, kind), robots, LEARNED, robots[0])
+
+
+def _adaptive(kind: str) -> Kind:
+    robots = DERIVES if kind.startswith("C of M") else LEARNS
+    return Kind(
+        lambda robot: psp3.AdaptiveFuzzyComputedTorque(trained(robot, kind)),
+        robots,
         LEARNED,
+        robots[0],
     )
+
+
+FUZZY = {kind: _learned(kind) for kind in OPTIONS}
+ADAPTIVE = {
+    f"adaptive, {kind}": _adaptive(kind)
     for kind in ("t1", "it2", "average", "C of M", "C of M, it2")
 }
 
 KINDS = CLASSICAL | FUZZY | ADAPTIVE
-ALL = [(kind, name) for kind, one in KINDS.items() for name in one.robots]
-CHECKED = [(kind, one.checked) for kind, one in KINDS.items()]
 
 
 @cache
@@ -181,8 +197,8 @@ def states_of(kind: str, name: str, count: int) -> States:
     rows = states(robot, count, SPREAD.get(name, 0.1))
     turn = {7: 4, 4: 2}.get(getattr(robot.compiled_table(), "base", 0), 0)
     for _, positions, _, _ in rows:
-        if turn:
-            # A quaternion, or cosine and sine, of unit length.
+        # A quaternion, or cosine and sine, of unit length, but for numbers that are none.
+        if turn and np.isfinite(positions).all():
             positions[-turn:] /= np.linalg.norm(positions[-turn:])
     return rows
 
