@@ -279,12 +279,12 @@ _REMEMBERED = {
 def _states_of_wires(wires: kernels.Wires) -> dict[str, Argument]:
     """Return the arrays of what lies between that are remembered."""
     words = {
-        "last": "positions that the encoders read last",
-        "queue": "forces on their way",
-        "calls": "whether there was a call",
+        "last": ("counted", "positions that the encoders read last"),
+        "queue": ("queue", "forces on their way"),
+        "calls": ("calls", "whether there was a call"),
     }
-    arrays = ((name, getattr(wires, name), about) for name, about in words.items())
-    return {name: _state(name, about, array) for name, array, about in arrays if array.size}
+    arrays = ((name, getattr(wires, name), *about) for name, about in words.items())
+    return {name: _state(said, about, array) for name, array, said, about in arrays if array.size}
 
 
 def _state(name: str, about: str, array: Array) -> Argument:

@@ -11,11 +11,11 @@ import pytest
 
 import psp3
 from fuzzy2.errors import NotExportable
-from psp3.errors import InvalidValue
+from psp3.errors import InvalidArray, InvalidValue, PSP3Error
 from psp3.export.face import c_code, export_c
 from psp3.export.project import export_project
 from psp3.kinematics.frames import point_motion
-from psp3.trajectories import Helix, Sway
+from psp3.trajectories import Helix, Motion, Sway
 from tests.project_folder import SANITIZED, check_statically, make, needs_clang, needs_cppcheck
 from tests.psp3.export.controller_in_c import (
     COMPILERS,
@@ -28,7 +28,9 @@ from tests.psp3.export.controllers_of_all_kinds import (
     ADAPTIVE,
     FUZZY,
     KINDS,
+    along_a_path,
     made,
+    regulator,
     robot_of,
     states_of,
 )
@@ -106,16 +108,40 @@ def test_a_run_that_c_steers_is_the_compiled_run_to_the_last_bit(
     assert np.array_equal(plain.torque, right.torque) == (wires == "nothing")
 
 
-@pytest.mark.parametrize("name", ["delta", "five_bar"])
-def test_a_run_of_a_robot_with_loops_that_c_steers(name: str, tmp_path: Path) -> None:
-    """The model's pose is remembered from step to step, in C as in the loop."""
-    robot = ROBOTS[name]
-    controller = psp3.ComputedTorque(robot, 100.0, 20.0)
-    right = psp3.simulate(robot, controller, Sway(robot=robot), 0.2)
-    in_c = ControllerInC(controller, tmp_path)
-    found = psp3.simulate(robot, in_c, Sway(robot=robot), 0.2)
+RUNS = [
+    ("CTC", "delta"),
+    ("CTC", "five_bar"),
+    ("CTC", "planar_4rrr"),
+    ("LQR", "planar_4rrr"),
+    ("CTC of a robot that floats", "walker"),
+    ("on a frame", "five_bar"),
+    ("adaptive, it2", "psp3"),
+    ("adaptive, it2", "five_bar"),
+]
+
+
+@pytest.mark.parametrize(("kind", "name"), RUNS)
+def test_limits_encoders_and_delay_are_those_of_the_simulation(
+    kind: str, name: str, tmp_path: Path
+) -> None:
+    """Also where motors are more or fewer than coordinates: 0.1 s, from pose to pose in both.
+
+    Resolutions are of the commanded coordinates, limits of the motors.
+    """
+    robot, controller, period = robot_of(name), made(kind, name), 0.002
+    path = Helix(robot=robot) if name == "psp3" else Sway(robot=robot)
+    plain = psp3.simulate(robot, controller, path, 0.1, period)
+    given = {
+        "torque_limit": np.quantile(np.abs(plain.torque), 0.9, axis=0),
+        "encoder_resolution": np.linspace(1e-5, 2e-5, robot.commanded),
+        "delay": 1,
+    }
+    right = psp3.simulate(robot, controller, path, 0.1, period, **given)
+    in_c = ControllerInC(controller, tmp_path, robot=robot, period=period, **given)
+    found = psp3.simulate(robot, in_c, path, 0.1, period)
     np.testing.assert_array_equal(found.torque, right.torque)
     np.testing.assert_array_equal(found.positions, right.positions)
+    assert not np.array_equal(plain.torque, right.torque)
 
 
 # Code
@@ -144,19 +170,21 @@ def test_another_compiler_sanitizers_and_cppcheck_find_nothing(
 
 @pytest.mark.parametrize(("kind", "name"), CHECKED)
 def test_single_precision_is_as_good_as_its_digits(kind: str, name: str, tmp_path: Path) -> None:
-    """Of every kind: 400 steps, of which as many have an answer as in double precision.
+    """Of every kind: 400 steps. Errors are shares of the largest force, see :class:`Kind`.
 
-    Errors are shares of the largest force, see :class:`Kind` for their bounds.
+    A pose at the edge of reach may be in it with seven digits and out of it with sixteen: at most
+    one in a hundred.
     """
     single = ControllerInC(made(kind, name), tmp_path, robot=robot_of(name), precision="single")
     compiled = CompiledStep(made(kind, name), robot_of(name))
-    motors, errors, largest = len(robot_of(name).actuated), [], 0.0
+    motors, errors, largest, others = len(robot_of(name).actuated), [], 0.0, 0
     for row in states_of(kind, name, 400):
         (said, force), (expected, right) = single.step(*row), compiled.step(*row)
-        assert said == expected
-        if expected:
+        others += said != expected
+        if said and expected:
             errors.append(np.abs(force[:motors] - right[:motors]).max())
             largest = max(largest, np.abs(right[:motors]).max())
+    assert others <= 4
     assert 0.0 < max(errors) < KINDS[kind].single * largest
 
 
@@ -209,6 +237,36 @@ def test_python_runs_the_functions_that_are_written() -> None:
         expected, right = compiled.step(*row)
         assert bool(done) == expected
         np.testing.assert_array_equal(torque, right)
+
+
+REFUSED = [
+    ("walker", regulator, "closures="),
+    ("walker", psp3.TaskSpaceComputedTorque, "free='lock'"),
+    ("walker", lambda robot: psp3.FuzzyComputedTorque("t1", robot), "those of its motors"),
+    ("planar_4rrr", lambda robot: psp3.FuzzyComputedTorque("t1", robot), "those of its motors"),
+    ("gripper", along_a_path, "LinearQuadraticRegulator takes free coordinates"),
+    ("gripper", regulator, "the input must reach every unstable motion"),
+]
+
+
+@pytest.mark.parametrize(("name", "make_controller", "remedy"), REFUSED)
+def test_a_robot_that_a_kind_cannot_steer_is_refused_in_python(
+    name: str, make_controller: Any, remedy: str
+) -> None:
+    """So there is nothing that could be written."""
+    with pytest.raises(PSP3Error, match=remedy):
+        make_controller(robot_of(name))
+
+
+def test_gains_of_another_size_are_refused_in_python_and_in_c() -> None:
+    robot = robot_of("walker")
+    controller = psp3.PD(np.eye(5), np.eye(5), robot)
+    home, rest, wanted = robot.reference, np.zeros(10), robot.reference[:4]
+    desired = Motion(wanted, 0.0 * wanted, 0.0 * wanted, np.zeros(3))
+    with pytest.raises(InvalidArray, match=r"\(4, 4\) of 4 commanded"):
+        controller.torque(0.0, home, rest, desired)
+    with pytest.raises(InvalidArray, match=r"\(4, 4\) of 4 commanded"):
+        c_code(controller)
 
 
 def test_what_cannot_be_written_is_refused_with_a_remedy() -> None:
