@@ -39,6 +39,7 @@ rad].
 
 CONSTANTS: dict[str, float] = {
     "ALL_OF_THE_WAY": 1.0 - 1e-6,
+    "EARLY": 1e-2,
     "FIRST_DIFFERENCE": 5e-3,
     "LEFT_OVER": 1e-4,
     "ORTHOGONAL": 1e-6,

@@ -47,7 +47,11 @@ class Kind(NamedTuple):
     checked: str = "psp3"
 
 
-DIRECT, LEARNED, CLOSED = 2e-6, 1e-4, 1e-4
+DIRECT, CLOSED, FAR, LEARNED = 1e-6, 1e-5, 5e-3, 2e-6
+"""Bounds: a few roundings of 6e-8; with a model, which sums up tens of them; of regulators, whose
+forces grow with the model's where desired poses are far out, near singular ones; of rules, whose
+weights are a few roundings off.
+"""
 
 FLOATING, FEWER = "walker", "gripper"
 """Four motors and a floating base; one motor, which two springs follow."""
@@ -111,8 +115,8 @@ CLASSICAL: dict[str, Kind] = {
         ("psp3", "delta", "planar_4rrr"),
         CLOSED,
     ),
-    "LQR": Kind(regulator, ("psp3", "five_bar", "planar_4rrr", "rod"), CLOSED, "planar_4rrr"),
-    "LQR along a path": Kind(along_a_path, ("psp3", "five_bar", "planar_4rrr"), CLOSED),
+    "LQR": Kind(regulator, ("psp3", "five_bar", "planar_4rrr", "rod"), FAR, "planar_4rrr"),
+    "LQR along a path": Kind(along_a_path, ("psp3", "five_bar", "planar_4rrr"), FAR),
     "on a frame": Kind(
         on_a_frame,
         ("psp3", "delta", "five_bar", "planar_4rrr", "gough_stewart"),
@@ -155,7 +159,7 @@ def trained(robot: Any, kind: str) -> Any:
 LEARNS = ("psp3", "five_bar", "delta")
 """Robots whose coordinates are their motors, as those must be that are learned from."""
 
-DERIVES = ("five_bar", "delta", "arm")
+DERIVES = ("five_bar", "delta", "planar_3rrr")
 """Robots whose C may come from M."""
 
 
