@@ -26,7 +26,12 @@ from tests.c_loops import Code
 from tests.fuzzy2.export.kinds import KINDS as SYSTEMS
 from tests.fuzzy2.export.kinds import SLOW
 from tests.fuzzy2.export.test_translator import WHILE
-from tests.psp3.export.controllers_of_all_kinds import KINDS, made, robot_of
+from tests.psp3.export.controllers_of_all_kinds import (
+    CLASSICAL,
+    KINDS,
+    made,
+    robot_of,
+)
 from tests.psp3.export.robots_of_all_kinds import MAKERS, some_frames
 
 pytestmark = pytest.mark.filterwarnings("ignore::fuzzy2.ApproximationWarning")
@@ -48,7 +53,7 @@ def _controllers() -> dict[str, Callable[[], CCode]]:
     return {
         f"{kind} of {name}": functools.partial(_code_of_controller, kind, name)
         for kind, one in KINDS.items()
-        for name in one.robots[:2]
+        for name in one.robots[: 2 if kind in CLASSICAL else 1]
     }
 
 

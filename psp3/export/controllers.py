@@ -309,7 +309,9 @@ def _iterations(table: Any) -> list[str]:
     model: Any = getattr(table, "model", None)
     if not hasattr(model, "memory"):
         return []
-    return [robot_text.bound_of_time(int(model.tree[GROUPS]), MOST_ATTEMPTS)]
+    # On a frame: where it is to be and where it is, differences about that, and the forces.
+    poses = 2 * table.rows.size + 6 if isinstance(table, TaskLaw) else 1
+    return [robot_text.bound_of_time(poses * int(model.tree[GROUPS]), MOST_ATTEMPTS)]
 
 
 def _about(exported: Exported) -> list[str]:
