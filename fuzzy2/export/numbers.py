@@ -12,6 +12,7 @@ from fuzzy2.errors import NotExportable, UnknownName
 from fuzzy2.export.values import BOOL, INT, REAL, Record, Row, Scalar, Table, Value
 
 GREATEST_SINGLE, LEAST_SINGLE = 3.4028234663852886e38, 1.1754943508222875e-38
+GREATEST_WHOLE = 2**31 - 1
 
 
 @dataclass(frozen=True)
@@ -57,10 +58,18 @@ class Precision:
         return text if self.name == "double" else text + "f"
 
     def number(self, number: Any, kind: Scalar) -> Value:
-        """Return a number that is known."""
+        """Return a number that is known.
+
+        Raises
+        ------
+        OverflowError
+            If it is a whole one of more than 31 bits.
+        """
         if kind == BOOL:
             return Value(BOOL, "1" if number else "0", bool(number))
         if kind == INT:
+            if abs(int(number)) > GREATEST_WHOLE:
+                raise OverflowError(f"{number}, a whole number of more than 31 bits")
             return Value(INT, str(int(number)), int(number))
         text = self.literal(float(number))
         return Value(REAL, f"({text})" if text.startswith("-") else text, float(number))
@@ -80,6 +89,10 @@ class Precision:
         if isinstance(thing, np.ndarray):
             item = INT if thing.dtype.kind in "iu" else REAL
             flat = np.ascontiguousarray(thing).ravel()
+            if item == INT and flat.size and np.abs(flat).max() > GREATEST_WHOLE:
+                raise NotExportable(
+                    code, "it has whole numbers of more than 31 bits", "smaller ones"
+                )
             return Value(Row(item, True, thing.shape), code, Table(code, flat))
         if not hasattr(thing, "_fields"):
             raise NotExportable(
