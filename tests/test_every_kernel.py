@@ -19,7 +19,6 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
 import pytest
 from numba.core import compiler, types
 from numba.core.registry import cpu_target
@@ -48,7 +47,7 @@ from psp3.robots.stepping import DrivenTables
 from psp3.three_psp.stepping import ClosedForm
 from tests.fuzzy2.export.in_c import needs_gcc
 
-LEARNING = "learns from many samples, in tables of three dimensions, before anything runs on a drive"
+LEARNING = "learns from samples in tables of three dimensions, before anything is on a drive"
 BATCH = "a batch, in tables of three dimensions; what it does with a row is in the subset"
 
 NOT_FOR_C = {

@@ -182,9 +182,9 @@ class Arrays(Frame, ABC):
         shape = tuple(size.known for size in sizes)
         if any(size is not None and size < 0 for size in shape):
             raise self.refused(node, "a size that is negative")
-        if None not in (*shape, *whole.type.shape):
-            if math.prod(map(int, shape)) != math.prod(map(int, whole.type.shape)):
-                raise self.refused(node, f"{whole.type.shape} as {shape}")
+        total = None if None in whole.type.shape else math.prod(map(int, whole.type.shape))
+        if total is not None and None not in shape and math.prod(map(int, shape)) != total:
+            raise self.refused(node, f"{whole.type.shape} as {shape}")
         kind = Row(whole.type.item, whole.type.constant, shape)
         codes = [size.code for size in sizes]
         table = whole.known

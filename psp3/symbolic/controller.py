@@ -51,9 +51,7 @@ def fuzzy_torque(controller: FuzzyComputedTorque) -> Any:
     desired = piece_with([entry for part in wanted_motion for entry in part.cells])
     out = piece_with([float("nan")] * kernels.step_width(n))
     model, configuration = _exact(controller)
-    Interpreter().call(
-        kernels.fuzzy_torque, known, model, positions, speeds, desired, NOTHING, out
-    )
+    Interpreter().call(kernels.fuzzy_torque, known, model, positions, speeds, desired, NOTHING, out)
     inputs |= configuration
     forces = vector(out.cells[:n])
     return casadi.Function("fuzzy_torque", [*inputs.values()], [forces], [*inputs], ["forces"])

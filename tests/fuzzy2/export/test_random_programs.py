@@ -7,7 +7,6 @@ largest and the smallest number, and whole numbers of 31 bits.
 
 from __future__ import annotations
 
-import ast
 import importlib.util
 import itertools
 import math
@@ -42,6 +41,7 @@ counts = itertools.count()
 
 
 REAL, ROUNDED = st.sampled_from(["a", "b"]), st.sampled_from(["int", "round"])
+DIVISOR = st.sampled_from(["i", "j", "k", "n", "3", "-2", "(k - n)"])
 FLOORED = st.sampled_from(["floor", "ceil"])
 
 QUICK = settings(max_examples=8, phases=[Phase.explicit, Phase.generate])
@@ -58,8 +58,8 @@ def whole_numbers(depth: int) -> st.SearchStrategy[str]:
     return st.one_of(
         st.builds("({} + {})".format, small, small),
         st.builds("({} - {} * {})".format, small, small, small),
-        st.builds("({} // {})".format, one, one),
-        st.builds("({} % {})".format, one, one),
+        # Numba computes with what is written down, and does not divide by 0 then.
+        st.builds("({} {} {})".format, one, st.sampled_from(["//", "%"]), DIVISOR),
         st.builds("(-{})".format, one),
         st.builds("abs({})".format, one),
         st.builds("min({}, {})".format, one, one),
@@ -75,16 +75,44 @@ def reals(depth: int) -> st.SearchStrategy[str]:
     """Return expressions of real numbers."""
     if depth == 0:
         return st.sampled_from(
-            ["a", "b", "0.5", "-1.5", "0.0", "1e300", "math.inf", "math.nan", "math.pi"]
-            + ["w[k % 3]", "table[1, n % 2]", "part[1]", "row[-1]"]
+            [
+                "a",
+                "b",
+                "0.5",
+                "-1.5",
+                "0.0",
+                "1e300",
+                "math.inf",
+                "math.nan",
+                "math.pi",
+                "w[k%3]",
+                "table[1,n%2]",
+                "part[1]",
+                "row[-1]",
+            ]
         )
     one, whole = reals(depth - 1), whole_numbers(depth - 1)
     either = st.one_of(one, whole)
     of_one = st.sampled_from(
-        ["sqrt", "exp", "expm1", "log", "log1p", "sin", "cos", "tan", "asin", "acos", "atan"]
-        + ["sinh", "cosh", "tanh", "fabs"]
+        [
+            "sqrt",
+            "exp",
+            "expm1",
+            "log",
+            "log1p",
+            "sin",
+            "cos",
+            "tan",
+            "asin",
+            "acos",
+            "atan",
+            "sinh",
+            "cosh",
+            "tanh",
+            "fabs",
+        ]
     )
-    of_two = st.sampled_from(["atan2", "hypot", "copysign", "pow"])
+    of_two = st.sampled_from(["atan2", "hypot", "pow"])
     return st.one_of(
         st.builds("({} {} {})".format, one, st.sampled_from("+-*"), either),
         st.builds("({} / {})".format, either, either),
@@ -98,11 +126,11 @@ def reals(depth: int) -> st.SearchStrategy[str]:
         st.builds("({} ** {})".format, one, st.sampled_from(["2", "3", "5", "-2", "0.5", "b"])),
         st.builds("math.{}({})".format, of_one, one),
         st.builds("math.{}({}, {})".format, of_two, one, one),
+        # Nobody says which sign a NaN has that was computed.
+        st.builds("math.copysign({}, {})".format, one, REAL),
         st.builds("(math.{0}({1}) if -1e9 < {1} < 1e9 else 0.5)".format, FLOORED, REAL),
         st.builds("pair({}, {})[{}]".format, one, one, st.sampled_from("01")),
     )
-
-
 
 
 def truths(depth: int) -> st.SearchStrategy[str]:
@@ -204,3 +232,93 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_expressions(expressions: list[str], folder: Path) -> None:
     lines = [f"    out[{place}] = {text}" for place, text in enumerate(expressions)]
     same_as_numba(HEAD + "\n".join(lines) + "\n", folder)
+
+
+# ----------------------------------------------------------------------------------- statements
+def blocks(depth: int, in_loop: bool) -> st.SearchStrategy[list[str]]:
+    """Return statements in a row, of variables that all have values."""
+    return st.lists(statements(depth, in_loop), min_size=1, max_size=4).map(
+        lambda parts: [line for part in parts for line in part]
+    )
+
+
+def indented(lines: list[str]) -> list[str]:
+    return [f"    {line}" for line in lines]
+
+
+def statements(depth: int, in_loop: bool) -> st.SearchStrategy[list[str]]:
+    """Return the lines of a statement."""
+    real, whole, truth = reals(1), whole_numbers(1), truths(1)
+    variable, place = st.sampled_from(["a", "b", "c"]), st.sampled_from(["0", "k % 4", "n", "-1"])
+    plain = [
+        st.builds("{} = {}".format, variable, real),
+        st.builds("{} {} {}".format, variable, st.sampled_from(["+=", "-=", "*="]), real),
+        st.builds("k = ({}) % 7 - 3".format, whole),
+        st.builds("n = ({}) % 4".format, whole),
+        st.builds("a, b = {}, {}".format, real, real),
+        st.builds("b, c = pair({}, {})".format, real, real),
+        st.builds("{} = {} = {}".format, variable, variable, real),
+        st.builds("w[{}] = {}".format, place, real),
+        st.builds("w[0], w[{}] = w[{}], {}".format, place, place, real),
+        st.builds("table[n % 3, {}] += {}".format, st.sampled_from("01"), real),
+        st.builds("part[:] = {}".format, real),
+        st.builds("w[:2] = row".format),
+        st.builds("part, row = w[{}:], table[n % 3]".format, st.sampled_from("12")),
+        st.builds("table = memory[{}:6].reshape({})".format, st.just("0"), st.just("3, 2")),
+        st.builds("out[n + {}] = {}".format, st.integers(0, 36).map(str), real),
+        st.builds("out[{}] += {}".format, st.integers(0, 39).map(str), st.one_of(real, whole)),
+    ]
+    if in_loop:
+        plain += [
+            st.builds("if {}: continue".format, truth),
+            st.builds("if {}: break".format, truth),
+        ]
+    simple = st.one_of(*plain).map(lambda line: [line])
+    if depth == 0:
+        return simple
+    inner, looped = blocks(depth - 1, in_loop), blocks(depth - 1, True)
+    bounds = ["k", "n", "k, 5", "k, n, 2", "4, k, -1", "3", "n % 3, 9, 4"]
+    return st.one_of(
+        simple,
+        st.builds(
+            lambda test, one, other: [f"if {test}:", *indented(one), "else:", *indented(other)],
+            truth,
+            inner,
+            inner,
+        ),
+        st.builds(lambda test, one: [f"if {test}:", *indented(one)], truth, inner),
+        st.builds(
+            lambda name, ends, body: [f"for {name} in range({ends}):", *indented(body)],
+            st.sampled_from([f"t{depth}", "n", "k"]),
+            st.sampled_from(bounds),
+            looped,
+        ),
+        st.builds(
+            lambda test, body: [
+                f"left{depth} = 4",
+                f"while left{depth} > 0 and {test}:",
+                f"    left{depth} -= 1",
+                *indented(body),
+            ],
+            truth,
+            looped,
+        ),
+    )
+
+
+@st.composite
+def programs(draw: st.DrawFn) -> str:
+    """Return a program of statements, which tells at the end what its variables are."""
+    body = draw(st.lists(statements(2, False), min_size=6, max_size=14))
+    lines = ["c = 0.25", *(line for part in body for line in part)]
+    lines += [f"out[{at}] = {name}" for at, name in enumerate(["a", "b", "c", "k", "n"])]
+    lines += ["for m in range(8):", "    out[5 + m] = memory[m]"]
+    lines += ["out[13], out[14] = part[0], row[1]"]
+    return HEAD + "\n".join(indented(lines)) + "\n"
+
+
+@pytest.mark.slow
+@QUICK
+@given(text=programs())
+def test_statements(text: str, folder: Path) -> None:
+    same_as_numba(text, folder)

@@ -21,7 +21,7 @@ pytestmark = needs_gcc
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "concepts" / "kernels.md"
 
-HEAD = '''import math
+HEAD = """import math
 from typing import NamedTuple
 
 import numpy as np
@@ -40,7 +40,7 @@ def both(a, b):
 
 def chance(x, out):
     i, row, table = int(x[0]), x[1:3], x[0:4].reshape(2, 2)
-'''
+"""
 HEAD_LINES = HEAD.count("\n")
 
 ACCEPTED = {
@@ -79,7 +79,8 @@ ACCEPTED = {
     "a: float = x[1]; out[0] = a": 1.5,
     "for k in range(1, 7, 2): out[0] += k": 9.0,
     "for k in range(3, 0, -1): out[0] = k": 1.0,
-    "for k in range(9):\n        if k == 4: break\n        if k % 2 == 0: continue\n        out[0] += k": 4.0,
+    "for k in range(9):\n        if k == 3: break\n        out[0] = k": 2.0,
+    "for k in range(3):\n        if k == 2: continue\n        out[0] = k": 1.0,
     "k = 5\n    while k > i: k -= 1\n    out[0] = k": 1.0,
     "pass\n    out[0] = 1.0\n    return": 1.0,
     "room = np.zeros((2, LIMIT)); out[0] = room.size + room[1, 2]": 6.0,

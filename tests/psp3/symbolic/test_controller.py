@@ -159,8 +159,7 @@ def test_exact_dynamics_take_over_outside_of_the_trained_range(name: str, kind: 
         found = function(positions, speeds, *wanted[:3], *extra).full().ravel()
         assert np.abs(found - expected).max() <= 1e-13 * np.abs(expected).max()
         columns = [
-            (step(state + e, wanted) - step(state - e, wanted)) / 2e-7
-            for e in 1e-7 * np.eye(2 * n)
+            (step(state + e, wanted) - step(state - e, wanted)) / 2e-7 for e in 1e-7 * np.eye(2 * n)
         ]
         differences = np.stack(columns, axis=-1)
         found = slope(state, *wanted[:3], *extra).full()
