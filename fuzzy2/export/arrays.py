@@ -182,9 +182,9 @@ class Arrays(Frame, ABC):
         shape = tuple(size.known for size in sizes)
         if any(size is not None and size < 0 for size in shape):
             raise self.refused(node, "a size that is negative")
-        total = None if None in whole.type.shape else math.prod(map(int, whole.type.shape))
-        if total is not None and None not in shape and math.prod(map(int, shape)) != total:
-            raise self.refused(node, f"{whole.type.shape} as {shape}")
+        known_sizes, had = [n for n in shape if n is not None], whole.type.shape
+        if None not in (*shape, *had) and math.prod(known_sizes) != math.prod(n or 0 for n in had):
+            raise self.refused(node, f"{had} as {shape}")
         kind = Row(whole.type.item, whole.type.constant, shape)
         codes = [size.code for size in sizes]
         table = whole.known

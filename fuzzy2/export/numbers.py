@@ -13,6 +13,7 @@ from fuzzy2.export.values import BOOL, INT, REAL, Record, Row, Scalar, Table, Va
 
 GREATEST_SINGLE, LEAST_SINGLE = 3.4028234663852886e38, 1.1754943508222875e-38
 GREATEST_WHOLE = 2**31 - 1
+TOO_LARGE = "a whole number of more than 31 bits"
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ class Precision:
             return Value(BOOL, "1" if number else "0", bool(number))
         if kind == INT:
             if abs(int(number)) > GREATEST_WHOLE:
-                raise OverflowError(f"{number}, a whole number of more than 31 bits")
+                raise OverflowError(f"{TOO_LARGE}, {number}")
             return Value(INT, str(int(number)), int(number))
         text = self.literal(float(number))
         return Value(REAL, f"({text})" if text.startswith("-") else text, float(number))
@@ -85,14 +86,14 @@ class Precision:
             ((float, np.floating), REAL),
         ):
             if isinstance(thing, types):
+                if code and kind == INT and abs(int(thing)) > GREATEST_WHOLE:
+                    raise NotExportable(f"{code}, {thing}", TOO_LARGE, "a smaller one")
                 return self.number(thing, kind)
         if isinstance(thing, np.ndarray):
-            item = INT if thing.dtype.kind in "iu" else REAL
+            item = INT if thing.dtype.kind in "iub" else REAL
             flat = np.ascontiguousarray(thing).ravel()
-            if item == INT and flat.size and np.abs(flat).max() > GREATEST_WHOLE:
-                raise NotExportable(
-                    code, "it has whole numbers of more than 31 bits", "smaller ones"
-                )
+            if item == INT and any(abs(int(n)) > GREATEST_WHOLE for n in flat):
+                raise NotExportable(code, TOO_LARGE, "smaller ones")
             return Value(Row(item, True, thing.shape), code, Table(code, flat))
         if not hasattr(thing, "_fields"):
             raise NotExportable(

@@ -63,7 +63,8 @@ def _exact(controller: FuzzyComputedTorque) -> tuple[Any, dict[str, SX]]:
         return kernels.NO_MODEL, {}
     table: Any = controller.robot.compiled_table()
     if isinstance(table, ClosedForm):
-        return ClosedForm(*map(piece_of, table)), {}
+        arrays: Any = map(piece_of, table)
+        return ClosedForm(*arrays), {}
     robot = SymbolicRobot(controller.robot)
     return robot.placed(), {"q": robot.configuration}
 

@@ -57,8 +57,9 @@ def _write_forces(
     robot: PlacedRobot, positions: Any, speeds: Any, accelerations: Any, out: Any
 ) -> bool:
     tree, numbers, memory = robot
-    question = INVERSE_DYNAMICS
-    done: int = answer_of_pose(question, tree, numbers, memory, speeds, accelerations, 0, out, 0)
+    done: int = answer_of_pose(  # type: ignore[no-untyped-call]
+        INVERSE_DYNAMICS, tree, numbers, memory, speeds, accelerations, 0, out, 0
+    )
     return done == CLOSED
 
 
