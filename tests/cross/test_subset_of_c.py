@@ -19,7 +19,7 @@ from tests.fuzzy2.export.in_c import kernel_in_c, needs_gcc
 
 pytestmark = needs_gcc
 
-PAGE = Path(__file__).resolve().parents[3] / "docs" / "concepts" / "kernels.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "concepts" / "kernels.md"
 
 HEAD = """import math
 from typing import NamedTuple
