@@ -41,6 +41,7 @@ counts = itertools.count()
 
 
 REAL, ROUNDED = st.sampled_from(["a", "b"]), st.sampled_from(["int", "round"])
+# Numba computes with what is written down, and does not divide by a zero that is.
 DIVISOR = st.sampled_from(["i", "j", "k", "n", "3", "-2", "(k - n)"])
 FLOORED = st.sampled_from(["floor", "ceil"])
 
@@ -58,7 +59,6 @@ def whole_numbers(depth: int) -> st.SearchStrategy[str]:
     return st.one_of(
         st.builds("({} + {})".format, small, small),
         st.builds("({} - {} * {})".format, small, small, small),
-        # Numba computes with what is written down, and does not divide by 0 then.
         st.builds("({} {} {})".format, one, st.sampled_from(["//", "%"]), DIVISOR),
         st.builds("(-{})".format, one),
         st.builds("abs({})".format, one),
@@ -115,7 +115,8 @@ def reals(depth: int) -> st.SearchStrategy[str]:
     of_two = st.sampled_from(["atan2", "hypot", "pow"])
     return st.one_of(
         st.builds("({} {} {})".format, one, st.sampled_from("+-*"), either),
-        st.builds("({} / {})".format, either, either),
+        st.builds("({} / {})".format, either, DIVISOR),
+        st.builds("({} / ({} + a))".format, either, either),
         st.builds("(-{})".format, one),
         st.builds("(+{})".format, one),
         st.builds("abs({})".format, one),
@@ -123,7 +124,9 @@ def reals(depth: int) -> st.SearchStrategy[str]:
         st.builds("min({}, {})".format, one, either),
         st.builds("max({}, {}, {})".format, one, one, one),
         st.builds("({} if {} else {})".format, one, truths(depth - 1), either),
-        st.builds("({} ** {})".format, one, st.sampled_from(["2", "3", "5", "-2", "0.5", "b"])),
+        st.builds(
+            "(({} - b) ** {})".format, one, st.sampled_from(["2", "3", "5", "-2", "0.5", "b"])
+        ),
         st.builds("math.{}({})".format, of_one, one),
         st.builds("math.{}({}, {})".format, of_two, one, one),
         # Nobody says which sign a NaN has that was computed.
