@@ -112,6 +112,7 @@ def reals(depth: int) -> st.SearchStrategy[str]:
             "fabs",
         ]
     )
+    # Of 0 to a negative whole power numba makes an error, and C infinity.
     of_two = st.sampled_from(["atan2", "hypot", "pow"])
     return st.one_of(
         st.builds("({} {} {})".format, one, st.sampled_from("+-*"), either),
@@ -124,9 +125,7 @@ def reals(depth: int) -> st.SearchStrategy[str]:
         st.builds("min({}, {})".format, one, either),
         st.builds("max({}, {}, {})".format, one, one, one),
         st.builds("({} if {} else {})".format, one, truths(depth - 1), either),
-        st.builds(
-            "(({} - b) ** {})".format, one, st.sampled_from(["2", "3", "5", "-2", "0.5", "b"])
-        ),
+        st.builds("(({} - b) ** {})".format, one, st.sampled_from(["2", "3", "5", "0.5", "b"])),
         st.builds("math.{}({})".format, of_one, one),
         st.builds("math.{}({}, {})".format, of_two, one, one),
         # Nobody says which sign a NaN has that was computed.
