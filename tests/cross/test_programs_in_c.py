@@ -129,7 +129,7 @@ def reals(depth: int) -> st.SearchStrategy[str]:
         st.builds("math.{}({})".format, of_one, one),
         st.builds("math.{}({}, {})".format, of_two, one, one),
         # Nobody says which sign a NaN has that was computed.
-        st.builds("math.copysign({}, {})".format, one, REAL),
+        st.builds("math.copysign({}, x[{}])".format, one, st.sampled_from("01")),
         st.builds("(math.{0}({1}) if -1e9 < {1} < 1e9 else 0.5)".format, FLOORED, REAL),
         st.builds("pair({}, {})[{}]".format, one, one, st.sampled_from("01")),
     )
