@@ -76,6 +76,10 @@ class Definitions(ABC):
             body = "return b == 0 ? 0 : a % b + (a % b != 0 && (a < 0) != (b < 0) ? b : 0);"
         return self._helper(name, "int {}(int a, int b)", body)
 
+    def absolute(self) -> str:
+        """Return the name of the absolute value of whole numbers."""
+        return self._helper("absolute", "int {}(int a)", "return a < 0 ? -a : a;")
+
     def cleared(self) -> str:
         """Return the name of the function that fills memory with zeros, and returns it."""
         item = self.precision.type

@@ -235,6 +235,8 @@ class Expressions(Calls, ABC):
         if isinstance(one.type, Row) and isinstance(other.type, Row):
             return self._chosen_row(node, test, one, other)
         if isinstance(node.body, ast.Tuple) and isinstance(node.orelse, ast.Tuple):
+            if len(node.body.elts) != len(node.orelse.elts):
+                raise self.refused(node, "tuples of two lengths")
             pairs = zip(node.body.elts, node.orelse.elts, strict=True)
             chosen = [self.expression(ast.IfExp(node.test, *pair), known) for pair in pairs]
             return self.record("tuple", [(f"f{i}", part) for i, part in enumerate(chosen)])
