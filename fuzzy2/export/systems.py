@@ -93,14 +93,12 @@ def c_code_of(
     inputs, outputs = system.input_names, system.output_names
     x = Argument("x", f"the inputs: {_listed(inputs, _ranges(system))}", len(inputs))
     out = Argument("out", f"the outputs: {_listed(outputs)}", len(outputs), "out")
-    does, returns = (
-        "Write the outputs of the system.",
-        (
-            "1, or 0 where there is no answer, because an input is not finite or united sets need more "
-            "memory than there is: then all numbers are NaN. Where no rule fires an output is NaN, "
-            "too, unless it has a default"
-        ),
+    returns = (
+        "1, or 0 where there is no answer, because an input is not finite or united sets need more "
+        "memory than there is: then all numbers are NaN. Where no rule fires an output is NaN, "
+        "too, unless it has a default"
     )
+    does = "Write the outputs of the system."
     writer.add("evaluate", does, answer, [tables, x, out], returns)
     if has_intervals(system):
         listed = f"left and right end, one after the other, of {_listed(outputs)}"

@@ -33,7 +33,7 @@ HALVINGS = 60
 
 
 @scalar
-def _area(
+def _area(  # noqa: PLR0913 (memory is handed over, piece by piece)
     rows, weights, sets, product, total, gauss, tolerance, left, right, pair, edges, sums, room
 ):
     """Return the area of a union between two points; ``pair`` (2,) is room for them."""
@@ -46,7 +46,7 @@ def _area(
 
 
 @scalar
-def bisector_of_union(  # noqa: PLR0913 (memory is handed over, piece by piece)
+def bisector_of_union(
     rows, weights, sets, product, total, kinks, gauss, tolerance, nodes, edges, sums, room
 ):
     """Return the point that halves the area of a union fired by (2, sets), flat; NaN of none.

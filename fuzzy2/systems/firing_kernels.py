@@ -126,7 +126,7 @@ def _either(norm, a, b):
 
 @scalar
 def _hedged(code, number, grade):
-    """What a hedge, by its code of ``fuzzy2.systems.antecedents``, makes of a grade."""
+    """Return what a hedge, by its code of ``fuzzy2.systems.antecedents``, makes of a grade."""
     if code == -5:
         return grade**number
     if code == -8:

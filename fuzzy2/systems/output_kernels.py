@@ -277,6 +277,14 @@ def _sum(points, low, high, end):
 
 
 @scalar
+def _evaluate_formulas(system, j, x, xo, stack, said):
+    """Write what the formulas (R,) of an output say."""
+    for r in range(said.size):
+        q = j * said.size + r
+        said[r] = formula_at(system.programs, system.places[q], system.places[q + 1], x, xo, stack)
+
+
+@scalar
 def average_in(system: Points, x: Array, xo: int, work: Array, out: Array, oo: int) -> None:
     """Write the type-reduced intervals (m, 2) of the finite row at ``xo``, from ``oo`` on.
 
@@ -296,11 +304,7 @@ def average_in(system: Points, x: Array, xo: int, work: Array, out: Array, oo: i
         place = oo + 2 * j
         out[place] = out[place + 1] = math.nan
         if system.programs.size > 0:
-            for r in range(rules):
-                q = j * rules + r
-                said[r] = formula_at(
-                    system.programs, system.places[q], system.places[q + 1], x, xo, stack
-                )
+            _evaluate_formulas(system, j, x, xo, stack, said)
         for end in range(2):
             count, beyond = _gather(
                 system, x, xo, j, end, fired, in_logarithms, said, points, low, high

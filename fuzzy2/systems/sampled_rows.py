@@ -139,7 +139,7 @@ def _centroid_in(system, j, weights, points, low, high, below, above, out, o):
     if way == CERTAIN:
         out[o] = out[o + 1] = _mean(points[:count], high[:count], False)
         return
-    for end in range(2 if way == EXACT or way == WU_MENDEL else 1):
+    for end in range(2 if way in (EXACT, WU_MENDEL) else 1):
         out[o + end] = reduced_by(
             way,
             system.of_averages,
@@ -151,7 +151,7 @@ def _centroid_in(system, j, weights, points, low, high, below, above, out, o):
             below,
             above,
         )
-    if way != EXACT and way != WU_MENDEL:
+    if way not in (EXACT, WU_MENDEL):
         out[o + 1] = out[o]
     elif out[o] > out[o + 1]:
         out[o], out[o + 1] = out[o + 1], out[o]

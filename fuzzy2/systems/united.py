@@ -154,7 +154,7 @@ class United:
 
     @property
     def sampled(self) -> tuple[Array, Array, NDArray[np.int64]] | None:
-        """Single points (P,), grades of the sets there (K, 2, P), set of each rule; None of areas."""
+        """Single points (P,), grades of sets there (K, 2, P), set of each rule; None of areas."""
         if not self.of_points:
             return None
         at_own = self._group[:, np.newaxis] == np.arange(len(self._places))
