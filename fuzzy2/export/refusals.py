@@ -38,7 +38,7 @@ def refusal_of_planes(system: GeneralType2System, error: NotExportable) -> NotEx
 
 def _unknown(i: int, t: int, term: Any, called: str) -> NotExportable:
     return NotExportable(
-        f"system.inputs[{i}][{t}], {called}, {term!r:.80},",
+        f"system.inputs[{i}][{t}], {called}, a {type(term).__name__},",
         "no kernel knows this set",
         f"its samples, between which it is linear: {_tabulation(i, t, term)}",
     )

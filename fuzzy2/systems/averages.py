@@ -183,7 +183,7 @@ class Monotonic:
     def _of_sigmoid(self, item: Sigmoid, grades: Array) -> Array:
         """Return the points of grades, which near 1 only the formula tells apart."""
         with np.errstate(divide="ignore"):
-            points = item.center - np.log(1.0 / grades - 1.0) / item.slope
+            points = item.center - np.log((1.0 - grades) / grades) / item.slope
         if self.is_bounded:
             return np.clip(points, *self.ends)
         # What does not fire counts for nothing, wherever it is.

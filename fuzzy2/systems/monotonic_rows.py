@@ -54,7 +54,7 @@ def _point_of(system, q, left, right, grade):
     o = HEADER + TERM * system.set_of[q]
     if int(system.sets[o + 1]) == SIGMOID:
         # Near 1 only the formula tells grades apart.
-        point = system.sets[o + 2] - math.log(1.0 / grade - 1.0) / system.sets[o + 3]
+        point = system.sets[o + 2] - math.log((1.0 - grade) / grade) / system.sets[o + 3]
         return min(max(point, left), right) if system.is_bounded == 1 else point
     rising = system.is_rising[q] == 1
     low, high = left, right

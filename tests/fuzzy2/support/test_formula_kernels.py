@@ -84,13 +84,14 @@ texts = st.recursive(
 
 @given(text=texts)
 def test_random_formulas(text: str) -> None:
-    found, right = both_ways(text)
     inside = (abs(PAIRS) < 10.0).all(axis=1)
+    found, right = (values[inside] for values in both_ways(text))
     # The floor of what rounding moves over a whole number.
     allowed = 1.0 if "floor" in text else 1e-9
-    assert np.nanmax(abs(found - right)[inside], initial=0.0) <= allowed * np.nanmax(
-        abs(right[inside]), initial=1.0
-    )
+    both = np.isfinite(found) & np.isfinite(right)
+    assert both.mean() > 0.9
+    size = max(abs(right[both]).max(), 1.0)
+    assert abs(found - right)[both].max() <= allowed * size
 
 
 def test_codes_are_in_order() -> None:
