@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,19 +12,15 @@ from fuzzy2.support.checks import Array, binary_exponent
 from fuzzy2.systems.averages import heights
 from fuzzy2.systems.consequents import Formulas, FunctionsOfInputs, Linear
 from fuzzy2.systems.firing_kernels import HEADER, TERM
-from fuzzy2.systems.operators import SUM, UNIONS
+from fuzzy2.systems.operators import HEIGHTS, SUM, UNIONS
+from fuzzy2.systems.outputs import Outputs, hangs_on_ratios
 from fuzzy2.systems.table import CONORMS, NORMS
 from fuzzy2.systems.term_rows import TermRows
 from fuzzy2.systems.terms import spread
 from fuzzy2.systems.united import GAUSS, TOLERANCE
 
-if TYPE_CHECKING:
-    from fuzzy2.systems.outputs import Outputs
-
 WAYS = {"nie_tan": 1, "wu_mendel": 2, "begian_melek_mendel": 3}
 """Codes of the direct methods in :mod:`fuzzy2.systems.output_kernels`."""
-HEIGHTS = ("height", "modified_height")
-"""Type reductions that average highest points."""
 
 
 def tables_of(outputs: Outputs, table: Array, defaults: Array | None) -> Any:
@@ -67,7 +63,6 @@ def _united_by(outputs: Outputs) -> int | None:
 def _points(outputs: Outputs, table: Array, missing: Array) -> Any:
     """Return what is averaged or summed up rule by rule."""
     from fuzzy2.systems.output_kernels import Points
-    from fuzzy2.systems.outputs import hangs_on_ratios
 
     own, none = outputs.operators, np.empty(0, np.int64)
     codes = [WAYS.get(own.method, 0), 0, int(hangs_on_ratios(own)), 0, 0]
@@ -138,7 +133,6 @@ def _leaders(outputs: Outputs) -> NDArray[np.int64]:
 
 def _unions(outputs: Outputs, table: Array, missing: Array) -> Any:
     """Return what is united and integrated, or of which the greatest grades are looked for."""
-    from fuzzy2.systems.outputs import hangs_on_ratios
     from fuzzy2.systems.union_rows import Unions
 
     own, count = outputs.operators, outputs.intervals.shape[1]
@@ -186,7 +180,6 @@ def _asked(outputs: Outputs) -> int:
 
 def _sampled(outputs: Outputs, table: Array, missing: Array) -> Any:
     """Return the grades of all sets on grids, or of single points at all of them."""
-    from fuzzy2.systems.outputs import hangs_on_ratios
     from fuzzy2.systems.sampled_rows import CERTAIN, Sampled
     from fuzzy2.systems.union_rows import _is_type_1
 
@@ -209,7 +202,7 @@ def _sampled(outputs: Outputs, table: Array, missing: Array) -> Any:
         grades[j] = shapes
     crisp = all(grid.crisp for grid in grids)
     way = WAYS.get(own.method, 0)
-    if way == 0 and crisp and _is_type_1(table):
+    if way == 0 and crisp and _is_type_1(table):  # type: ignore[no-untyped-call]
         way = CERTAIN
     grades = [
         shapes[:, 1].ravel() if crisp and shapes.size else shapes.ravel() for shapes in grades

@@ -22,8 +22,7 @@ from fuzzy2.systems.averages import (
     weighted_sum,
 )
 from fuzzy2.systems.consequents import FunctionsOfInputs
-from fuzzy2.systems.operators import DIRECT_METHODS, POINTS, SUM, UNIONS
-from fuzzy2.systems.output_tables import HEIGHTS, tables_of
+from fuzzy2.systems.operators import DIRECT_METHODS, HEIGHTS, POINTS, SUM, UNIONS
 from fuzzy2.systems.summed import Summed
 from fuzzy2.systems.united import United
 
@@ -142,18 +141,6 @@ class Outputs:
             else:
                 outputs.append(np.full((len(strengths), 2), np.nan))
         return np.stack(outputs, axis=1)
-
-    def tables(self, table: Array, defaults: Array | None) -> Any:
-        """Return what a compiled loop makes of the system's table, or None if none can.
-
-        Parameters
-        ----------
-        table : (k,) ndarray
-            The system's, see :mod:`fuzzy2.systems.table`.
-        defaults : (m,) ndarray, or None
-            Outputs where no rule fires.
-        """
-        return tables_of(self, table, defaults)
 
     def in_logarithms(self, rows: Array, logarithms: Array) -> Array:
         """Do as a call for logarithms of firing intervals (n, R, 2).

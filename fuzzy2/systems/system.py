@@ -78,6 +78,7 @@ from fuzzy2.systems.operators import (
 from fuzzy2.systems.operators import (
     type_reduction as reduction_named,
 )
+from fuzzy2.systems.output_tables import tables_of
 from fuzzy2.systems.outputs import Operators, Outputs, hangs_on_ratios
 from fuzzy2.systems.pictures import html_of
 from fuzzy2.systems.report import Report, found_in
@@ -268,7 +269,7 @@ class FuzzySystem(Shown):
         """Return what a compiled loop reduces that is more than center of sets, exactly."""
         if self._fast or self._table is None or self._outputs is None:
             return None
-        return self._outputs.tables(self._table, self._compiled_defaults())
+        return tables_of(self._outputs, self._table, self._compiled_defaults())
 
     @property
     def reducer(self) -> Any:

@@ -267,6 +267,18 @@ KINDS: dict[str, Any] = {
 }
 """Systems and learners by what is special about them."""
 
+JUMPING = frozenset(
+    {
+        *MAXIMA,
+        *("bisector on a grid", "fuzzylite's bisector", "jFuzzyLogic's mean of maxima"),
+        *("maxima, product", "bisector of points"),
+        *("formulas", "formulas, interval", "formulas, sum", "formulas with holes"),
+    }
+)
+"""Those whose outputs jump: from one point of a grid, or one of two sets that are equally high, to
+another, or where a formula compares or rounds.
+"""
+
 SLOW: dict[str, Any] = {
     "interval mamdani": lambda: interval(
         consequents=sets(uncertain), type_reduction="centroid", t_norm="min"

@@ -16,7 +16,7 @@ import fuzzy2
 from fuzzy2.errors import InvalidValue, NotExportable, NotFitted, UnknownName
 from fuzzy2.export.systems import has_intervals, system_of
 from tests.fuzzy2.export.in_c import COMPILERS, bind, build, needs_gcc
-from tests.fuzzy2.export.kinds import KINDS, SLOW, interval, type_1
+from tests.fuzzy2.export.kinds import JUMPING, KINDS, SLOW, interval, type_1
 from tests.fuzzy2.systems.random_systems import states, systems
 
 pytestmark = pytest.mark.filterwarnings("ignore::fuzzy2.ApproximationWarning")
@@ -61,10 +61,10 @@ def test_ends_of_intervals_are_those_of_python(kind, tmp_path):
     X, ends = inputs(10_000), np.empty((10_000, len(system.output_names), 2))
     assert all(run(x, out) == 1 for x, out in zip(X, ends, strict=True))
     np.testing.assert_array_equal(ends, system.type_reduced(X))
-    width = ends[..., 1] - ends[..., 0]
-    assert np.isfinite(width).any()
+    left, right = ends[np.isfinite(ends).all(axis=-1)].T
+    assert left.size
     if getattr(system, "reduction", "") != "gaussian":
-        assert np.nanmin(width) >= 0.0
+        assert (left <= right).all()
     assert run(np.array([np.nan, 0.0]), ends[0]) == 0
     assert np.isnan(ends[0]).all()
 
@@ -148,7 +148,11 @@ def test_single_precision_is_near(kind, tmp_path, record_property):
     record_property("error", float(error.max()))
     # Rounding of inputs and of some dozens of sums; of a switch point a few percent more.
     assert np.median(error) < 2e-6
-    assert error.max() < 2e-3
+    if kind in JUMPING:
+        # Rounding of 1e-7 decides in as many states as are that near to a jump, 1e-5 or so of them.
+        assert (error > 2e-3).mean() < 2e-3
+    else:
+        assert error.max() < 2e-3
 
 
 MAIN = """
