@@ -95,6 +95,7 @@ ELSEWHERE = {
         "fuzzy2/systems/test_output_tables.py",
         THROUGH_ITS_FACE,
     ),
+    "fuzzy2/systems/summed.py": ("fuzzy2/systems/test_sampled_rows.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/maxima.py": ("fuzzy2/systems/test_united.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/output_kernels.py": ("fuzzy2/systems/test_operators.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/outputs.py": ("fuzzy2/systems/test_operators.py", THROUGH_ITS_FACE),
