@@ -7,6 +7,7 @@
 #   make bench       measure speed
 #   make docs        build the documentation: results/docs/index.html
 #   make pictures    draw the pictures of the README and the documentation anew
+#   make lock        choose the versions of everything anew: requirements/
 #   make clean       remove what these commands made, but not results/
 #
 # Properties are tested on random examples, of which the cases of one property share a number; with
@@ -19,7 +20,10 @@ VENV := .venv
 BIN := $(VENV)/bin
 # Not the user's, which may name other versions or hold an older psp3.
 unexport PYTHONPATH PYTHONHOME
-INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+# Whatever is downloaded has a hash in requirements/, and no script of its own is run.
+LOCKED := $(PIP) --require-hashes --only-binary :all: --requirement
+LOCK := $(BIN)/python -m uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --only-binary :all: --no-strip-extras --no-emit-index-url --no-annotate --no-header
 
 # What tests of one file share is made once, and all that a process has loaded serves the file.
 # The longest files come first, see tests/conftest.py.
@@ -31,7 +35,7 @@ KERNELS := $(shell grep -rl --include='*.py' 'support\.compiled' psp3 fuzzy2) $(
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .SUFFIXES:
-.PHONY: help reproduce test test-quick lint bench docs pictures clean
+.PHONY: help reproduce test test-quick lint bench docs pictures lock clean
 
 help:
 	@sed -n 's/^#   make/  make/p' Makefile
@@ -40,11 +44,11 @@ reproduce: $(VENV)/.compiled
 	@echo "Running the main job: psp3 reproduce"
 	@$(BIN)/psp3 reproduce
 
-test: $(VENV)/.compiled $(VENV)/.test
+test: $(VENV)/.compiled $(VENV)/.dev
 	@echo "Running the tests"
 	@$(BIN)/python -m pytest $(DISTRIBUTED)
 
-test-quick: $(VENV)/.compiled $(VENV)/.test
+test-quick: $(VENV)/.compiled $(VENV)/.dev
 	@echo "Running the quick tests"
 	@$(BIN)/python -m pytest $(DISTRIBUTED) -m "not slow"
 
@@ -55,18 +59,25 @@ lint: $(VENV)/.dev
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports --no-logo
 
-bench: $(VENV)/.compiled $(VENV)/.test
+bench: $(VENV)/.compiled $(VENV)/.dev
 	@echo "Measuring speed"
 	@set -e; for benchmark in benchmarks/bench_*.py; do $(BIN)/python "$$benchmark"; done
 
-docs: $(VENV)/.docs
+docs: $(VENV)/.dev
 	@echo "Building the documentation"
 	@$(BIN)/sphinx-build -W --keep-going --quiet -b html -d build/doctrees docs results/docs
 	@echo "Done: results/docs/index.html"
 
-pictures: $(VENV)/.compiled $(VENV)/.test
+pictures: $(VENV)/.compiled $(VENV)/.dev
 	@echo "Drawing the pictures"
 	@set -e; for script in docs/pictures/make_*.py; do $(BIN)/python "$$script"; done
+
+# The tests' versions are those of what psp3 runs on, where both have a package.
+lock: $(VENV)/.dev
+	@echo "Choosing versions"
+	@$(LOCK) --upgrade --extra dev pyproject.toml requirements/build.in --output-file requirements/dev.txt
+	@$(LOCK) --constraint requirements/dev.txt pyproject.toml requirements/build.in --output-file requirements/run.txt
+	@echo "Now run: make test"
 
 clean:
 	@echo "Removing the virtual environment, caches and builds (results/ stays)"
@@ -82,24 +93,15 @@ $(VENV)/.made:
 	@touch $@
 
 # The installations follow one another, so that make -j never runs two at once.
-$(VENV)/.run: $(VENV)/.made pyproject.toml constraints.txt
+$(VENV)/.run: $(VENV)/.made pyproject.toml requirements/run.txt
 	@echo "Installing psp3 and what it runs on (a minute or two, 1 GiB)"
-	@$(INSTALL) --editable .
+	@$(LOCKED) requirements/run.txt
+	@$(PIP) --no-deps --no-build-isolation --editable .
 	@touch $@
 
-$(VENV)/.docs: $(VENV)/.run
-	@echo "Installing what the documentation needs"
-	@$(INSTALL) --editable '.[docs]'
-	@touch $@
-
-$(VENV)/.test: $(VENV)/.docs
-	@echo "Installing what the tests need"
-	@$(INSTALL) --editable '.[test]'
-	@touch $@
-
-$(VENV)/.dev: $(VENV)/.test
-	@echo "Installing what the checks need"
-	@$(INSTALL) --editable '.[dev]'
+$(VENV)/.dev: $(VENV)/.run requirements/dev.txt
+	@echo "Installing what the tests, the checks and the documentation need"
+	@$(LOCKED) requirements/dev.txt
 	@touch $@
 
 # Code of before is not used (fuzzy2/support/code_files.py), but would stay on the disk.

@@ -36,7 +36,8 @@ def main() -> None:
                 found = measure(Path(folder), code, board)[thing.function]
             sys.stdout.write(
                 f"| {thing.about} | {board.name}, {precision} | {found.flash / 1000.0:.1f} | "
-                f"{found.state} | {found.stack} | {found.instructions} | {found.most} |\n"
+                f"{found.state} | {found.stack} | {found.most_stack} | {found.instructions} | "
+                f"{found.most} |\n"
             )
 
 

@@ -105,7 +105,7 @@ def test_every_long_file_is_named_with_its_reason_and_no_other() -> None:
 
 @pytest.mark.skipif(
     importlib.util.find_spec("ruff") is None,
-    reason="ruff is not installed: pip install 'psp3[dev]'",
+    reason="ruff is not installed: make lint",
 )
 def test_every_exception_to_ruffs_limits_is_named_and_no_other() -> None:
     """However it is allowed: ruff looks with the limits of the project and without exceptions."""

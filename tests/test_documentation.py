@@ -18,7 +18,7 @@ pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(
         any(importlib.util.find_spec(module) is None for module in ("sphinx", "myst_nb", "furo")),
-        reason="Sphinx, MyST-NB and Furo are not installed: pip install 'psp3[docs]'",
+        reason="Sphinx, MyST-NB and Furo are not installed: make docs",
     ),
 ]
 

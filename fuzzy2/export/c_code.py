@@ -229,8 +229,9 @@ class CWriter:
             raise InvalidValue("name", name, "letters, digits and _, a letter first, no word of C")
         self.name, self.about = name, about
         self.precision = Precision(precision)
+        numbers = self.precision.constants | dict(constants or {})
         self.program = Program(
-            *(name, self.precision, frozenset(unrolled), dict(constants or {}), frozenset(never))
+            *(name, self.precision, frozenset(unrolled), numbers, frozenset(never))
         )
         self.functions: list[CFunction] = []
         self.bodies: list[str] = []

@@ -13,6 +13,9 @@ from fuzzy2.export.values import BOOL, INT, REAL, Record, Row, Scalar, Table, Va
 
 GREATEST_SINGLE, LEAST_SINGLE = 3.4028234663852886e38, 1.1754943508222875e-38
 
+SINGLE = {"UNION_ROUNDING": 5e-7, "UNION_INSET": 1e-4}
+"""Numbers of the kernels' modules that are others in single precision: some of its roundings."""
+
 
 @dataclass(frozen=True)
 class Precision:
@@ -34,6 +37,11 @@ class Precision:
     def type(self) -> str:
         """The type of a number in C."""
         return "double" if self.name == "double" else "float"
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """Numbers of the kernels' modules, by name, that are others in this precision."""
+        return dict(SINGLE) if self.name == "single" else {}
 
     def function(self, name: str) -> str:
         """Return the name of a function of ``math.h``."""

@@ -66,7 +66,7 @@ def write_project(code: CCode, folder: str | Path, inputs: Mapping[str, Array]) 
         "cases.c": cases.source(),
         "README.md": readme(code),
     }
-    for name in ("main.c", "test.c", "Makefile"):
+    for name in ("main.c", "test.c", "Makefile", "stack.awk"):
         text = (TEMPLATES / name).read_text(encoding="utf-8")
         texts[name] = text.replace("@NAME@", code.name).replace("@CPU@", CPUS[code.precision.name])
     where.mkdir(parents=True, exist_ok=True)

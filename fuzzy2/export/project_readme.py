@@ -25,7 +25,7 @@ they were made from, units, orders and codes are in `{code.name}.h`.
 |---|---|
 | `make` | the program `main`: it reads lines of numbers and answers each with a line |
 | `make test` | calls all functions in {CASES} cases and compares with what Python answered |
-| `make arm` | size and stack on a Cortex-M; `CPU="-mcpu=..."` names another |
+| `make arm` | size, and the most of the stack, on a Cortex-M; `CPU="-mcpu=..."` names another |
 
 ## Functions
 

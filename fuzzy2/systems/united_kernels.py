@@ -23,6 +23,10 @@ MOST_TURNS = 2 * MOST_PIECES
 """Pieces that are looked at, of noise that no halving makes smoother."""
 ROOM = 6 * STACK + 8
 """Numbers that the integration of a union needs beside its nodes and pieces."""
+UNION_ROUNDING = 1e-15
+"""What roundings make of a number of 1."""
+UNION_INSET = 1e-9
+"""As a share of a piece, how far from its ends it is looked at and split."""
 
 
 @scalar
@@ -154,7 +158,7 @@ def _split(rows, weights, sets, product, total, crisp, left, right):
     """Return where another set becomes the highest within a piece, or its left end if none does."""
     if total:
         return left
-    inset = 1e-9 * (right - left)
+    inset = UNION_INSET * (right - left)
     for end in range(1, -1 if not crisp else 0, -1):
         a, b = left + inset, right - inset
         first = _highest(rows, weights, sets, product, end, a)
@@ -176,7 +180,7 @@ def _split(rows, weights, sets, product, total, crisp, left, right):
             gap = _grade_of(rows, weights, sets, product, first, end, x) - _grade_of(
                 rows, weights, sets, product, second, end, x
             )
-            if abs(gap) <= 1e-15:
+            if abs(gap) <= UNION_ROUNDING:
                 break
             if gap > 0.0:
                 a, above = x, gap
@@ -239,7 +243,7 @@ def _pieces_of(  # noqa: C901, PLR0913 (one compiled loop over pieces and their 
             depth -= 1
             left, right = stack[2 * depth], stack[2 * depth + 1]
             middle = left
-            if right - left > 1e-9 * reach:
+            if right - left > UNION_INSET * reach:
                 middle = _split(rows, weights, sets, product, total, crisp, left, right)
             rough = middle > left
             if not rough:
@@ -256,7 +260,7 @@ def _pieces_of(  # noqa: C901, PLR0913 (one compiled loop over pieces and their 
                     both = one[j] + one[4 + j]
                     size = scale if crisp else one[2 * end] + one[4 + 2 * end]
                     # Points are themselves rounded, which shows in narrow pieces.
-                    noise = 1e-15 * max(abs(left), abs(right)) / (right - left)
+                    noise = UNION_ROUNDING * max(abs(left), abs(right)) / (right - left)
                     allowed = ((tolerance + noise) * size + 1e-280) * (reach if power == 1 else 1.0)
                     rough = rough or abs(found[4 * depth + j] - both) > allowed
             turns += 1
@@ -313,7 +317,7 @@ def _end_of(rows, weights, sets, product, total, gauss, edges, sums, pieces, ori
         x = sign * (far - origin)
         if x * area - moment + x * after_area - after_moment < 0.0 and q < pieces - 1:
             continue
-        least = 1e-15 * (edges[2 * pieces - 1] - edges[0])
+        least = UNION_ROUNDING * (edges[2 * pieces - 1] - edges[0])
         c = far
         for _ in range(100):
             _rule(

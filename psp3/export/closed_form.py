@@ -11,6 +11,7 @@ from fuzzy2.errors import NotExportable
 from fuzzy2.export.c_code import Argument, CCode, CWriter, Known
 from psp3.export import closed_form_kernels as kernels
 from psp3.export import robot_text
+from psp3.three_psp.closed_form import MOST_TIP_ITERATIONS, MOST_TIP_STEPS
 from psp3.three_psp.stepping import ClosedForm
 from psp3.version import __version__
 
@@ -56,7 +57,8 @@ def code_of(
     about = [
         f"{robot.title}: kinematics and dynamics in closed form, written by psp3 {__version__}.",
         "SI units: m, rad, s, kg, N. Matrices stand row by row, in base axes. No call has loops\n"
-        "but those that are counted; tip_heights is the only one that iterates.",
+        "but those that are counted; tip_heights is the only one that iterates: no call takes\n"
+        f"more than {MOST_TIP_STEPS * MOST_TIP_ITERATIONS} steps of Newton's method.",
         robot_text.numbered("Heights of the nuts, and forces along the screws", robot.coordinates),
         robot_text.numbered("Coordinates of all joints, q", joints),
     ]

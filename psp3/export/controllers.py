@@ -28,14 +28,15 @@ from psp3.control.kernels import (
 from psp3.control.linear_quadratic_kernels import Regulation
 from psp3.errors import InvalidValue
 from psp3.export import controller_kernels as kernels
-from psp3.export import single
+from psp3.export import robot_text, single
 from psp3.export.trained_range import fires_everywhere
 from psp3.fuzzy_control.adaptive_kernels import Adaptive
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.kernels import NO_MODEL, FuzzyRun
 from psp3.fuzzy_control.slotine_li_kernels import SlotineLi
 from psp3.kinematics.tasks import rotating
-from psp3.multibody.tree import AT_BEFORE
+from psp3.multibody.closing import MOST_ATTEMPTS
+from psp3.multibody.tree import AT_BEFORE, GROUPS
 from psp3.version import __version__
 
 KINDS: dict[type, tuple[Any, Any, tuple[str, ...]]] = {
@@ -298,6 +299,14 @@ def _reference(table: Any) -> Array:
 # What the header says.
 
 
+def _iterations(table: Any) -> list[str]:
+    """Return how many steps of Newton's method the model of a controller takes at most."""
+    model: Any = getattr(table, "model", None)
+    if not hasattr(model, "memory"):
+        return []
+    return [robot_text.bound_of_time(int(model.tree[GROUPS]), MOST_ATTEMPTS)]
+
+
 def _about(exported: Exported) -> list[str]:
     controller, robot = exported.controller, exported.robot
     return [
@@ -305,6 +314,7 @@ def _about(exported: Exported) -> list[str]:
         f"Coordinates, in this order: {_named(robot.coordinates, robot.coordinates_v, robot)}.\n"
         f"Motors, in this order: {_named(robot.actuated, robot.actuated_v, robot)}.",
         *_law(exported),
+        *_iterations(exported.table),
         "Nothing checks that positions, speeds and the desired motion are finite: where they are\n"
         "not, the torque is not, and 0 is returned. No function asks for memory or writes to\n"
         "anything but its arguments; each struct serves one robot and one thread.",

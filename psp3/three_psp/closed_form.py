@@ -46,6 +46,9 @@ MOST_TIP_STEPS = 1000
 takes some sixty.
 """
 
+MOST_TIP_ITERATIONS = 40
+"""The most steps of Newton's method in each of these."""
+
 SMALLEST_TIP_STEP = 1e-9
 """A point of the tip is beyond the fold where this share of the ray is still too long a step."""
 
@@ -657,7 +660,7 @@ def tip_slope(x: float, y: float, d: float, h: float) -> tuple[float, float]:
         nu, nv = u, v
         good = False
         last = math.inf
-        for _ in range(40):
+        for _ in range(MOST_TIP_ITERATIONS):
             rx, ry, determinant, su, sv = _tip_step(nu, nv, goal * x, goal * y, d, h)
             if not (
                 determinant > 0.0 and nu * nu + nv * nv < LARGEST_TIP_SLOPE * LARGEST_TIP_SLOPE

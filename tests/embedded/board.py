@@ -18,6 +18,7 @@ import pytest
 
 from fuzzy2.export.c_code import CCode, CFunction
 from fuzzy2.export.project_calls import short_name, size_of
+from tests.embedded.stack import read
 
 HERE = Path(__file__).parent
 COMPILER, SIZE, EMULATOR = "arm-none-eabi-gcc", "arm-none-eabi-size", "qemu-system-arm"
@@ -63,6 +64,7 @@ class Needs:
     flash: int
     state: int
     stack: int
+    most_stack: int
     instructions: int
     most: int
 
@@ -74,16 +76,21 @@ def run_cases(folder: Path, board: Board) -> str:
 
 def measure(folder: Path, code: CCode, board: Board) -> dict[str, Needs]:
     """Return what each function of a folder needs, by its name without the prefix."""
-    image = _linked(folder, board, str(HERE / "measure.c"), "calls.c", "cases.c")
+    # It includes calls.c.
+    image = _linked(folder, board, str(HERE / "measure.c"), "cases.c")
     rows = np.array([line.split() for line in _emulated(image, board).splitlines()], dtype=int)
     nothing = _flash(folder, board, _caller(code, None))
+    instructions_of = read(image)
+    # What is painted begins below main, with those that call the function there.
+    callers = instructions_of.own("counts") + instructions_of.own("calls_call")
     needs = {}
     for number, function in enumerate(code.functions):
         _, instructions, stacks = rows[rows[:, 0] == number].T
         needs[short_name(code, function)] = Needs(
             flash=_flash(folder, board, _caller(code, function)) - nothing,
             state=state_size(code),
-            stack=int(stacks.max()),
+            stack=int(stacks.max()) - callers,
+            most_stack=instructions_of.bound(function.name),
             instructions=int(np.median(instructions)),
             most=int(instructions.max()),
         )

@@ -4,8 +4,15 @@
  * it at 25 MHz, so one count is 40 instructions. The stack below is painted before a call, and what
  * is no longer painted afterwards was used.
  */
+/* A call at the end of a function is a call, and no jump: all have their part of the stack. */
+#pragma GCC optimize("no-optimize-sibling-calls")
+
 #include "calls.h"
 #include "cases.h"
+
+__attribute__((noinline)) void calls_call(int function, const calls_number *reads,
+                                          calls_number *writes);
+#include "calls.c"
 
 #include <stdint.h>
 #include <stdio.h>
@@ -44,7 +51,7 @@ static __attribute__((noinline)) unsigned used(const uint32_t *from)
     return (unsigned)((uintptr_t)from - (uintptr_t)word);
 }
 
-static __attribute__((noinline)) unsigned counts(int function, const calls_number *reads,
+static __attribute__((noinline, noclone)) unsigned counts(int function, const calls_number *reads,
                                                  calls_number *writes)
 {
     const uint32_t before = *COUNTER;

@@ -211,19 +211,6 @@ def test_the_same_functions_run_in_python(tmp_path: Path) -> None:
         assert same(np.concatenate(written), np.concatenate(out)), name
 
 
-def test_no_loop_is_without_a_bound(tmp_path: Path) -> None:
-    """Every loop counts, to a number or to an entry of a table."""
-    for name in ("five_bar", "gripper"):
-        code = c_code(MAKERS[name](tmp_path))
-        assert "while" not in re.sub(r"/\*.*?\*/", "", code.source, flags=re.S)
-        heads = re.findall(r"for \((.*)\) \{", code.source)
-        assert heads
-        for head in heads:
-            assert re.fullmatch(
-                r"(\w+) = [^;]+; \1 [<>] [\w\[\]., +*-]+; \1(\+\+|--| [+-]= \d+)", head
-            ), head
-
-
 def test_fewer_attempts_end_sooner_and_say_how_far_they_came(tmp_path: Path) -> None:
     robot = psp3.load("five_bar")
     code = c_code(robot, name="five_bar", most_attempts=1)
