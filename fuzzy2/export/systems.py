@@ -144,10 +144,10 @@ def without_shapes(systems: Iterable[Any]) -> dict[str, float]:
     Gaussians and trapezoids are none of these. Without shapes ``pow`` and its tables are spared.
     """
     for system in systems:
-        table = getattr(system, "table", None)
+        table, reducer = getattr(system, "table", None), getattr(system, "reducer", None)
         if table is None:
-            table = getattr(getattr(system, "reducer", None), "table", None)
-        if table is None or hasattr(system.reducer, "sets"):
+            table = getattr(reducer, "table", None)
+        if table is None or hasattr(reducer, "sets"):
             return {}
         kinds = table[HEADER + 1 : HEADER + TERM * int(table[1]) : TERM]
         if (kinds >= SAMPLES).any():
