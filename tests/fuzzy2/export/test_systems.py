@@ -14,6 +14,7 @@ from hypothesis import given, settings
 
 import fuzzy2
 from fuzzy2.errors import InvalidValue, NotExportable, NotFitted, UnknownName
+from fuzzy2.export.calls import FUNCTIONS
 from fuzzy2.export.systems import has_intervals, system_of
 from tests.fuzzy2.export.in_c import COMPILERS, bind, build, needs_gcc
 from tests.fuzzy2.export.kinds import JUMPING, KINDS, SLOW, interval, type_1
