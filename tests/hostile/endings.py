@@ -4,14 +4,13 @@ A process does the work and tells what it has done; a signal ends it after a ran
 is on the disk is compared with what was told. Then the same work goes on, until it is whole and
 begins anew. As a program::
 
-    python -m tests.hostile.endings 200
+    python -m tests.hostile.endings 200 0
 
-ends 200 of them with SIGKILL and 200 with SIGINT, and prints the counts.
+ends 200 of them with SIGKILL and 200 with SIGINT, at moments of the seed 0, and prints the counts.
 """
 
 from __future__ import annotations
 
-import json
 import os
 import random
 import signal
@@ -229,15 +228,17 @@ def campaign(count: int, seed: int, kinds: tuple[str, ...] = tuple(KINDS)) -> Co
 
 
 def main() -> None:
-    """Print the counts of a campaign."""
+    """Print the counts of a campaign: so many endings with each signal, a seed, and kinds."""
     # No run is simulated here, so nothing need be compiled before.
-    PROCESSES.set_forkserver_preload(["tests.hostile.endings"])
+    PROCESSES.set_forkserver_preload(["psp3.benchmark.benchmark", "tests.study_helpers"])
     begun = time.monotonic()
-    words = campaign(int(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 0)
+    count, seed, *kinds = sys.argv[1:]
+    words = campaign(int(count), int(seed), tuple(kinds) or tuple(KINDS))
     for (kind, how, word), number in sorted(words.items()):
         sys.stdout.write(f"{kind:10} {how:8} {word:20} {number}\n")
-    sys.stdout.write(f"{sum(words.values())} endings, nothing lost beyond what is stated\n")
-    sys.stdout.write(json.dumps({"seconds": round(time.monotonic() - begun)}) + "\n")
+    took = time.monotonic() - begun
+    total = sum(words.values())
+    sys.stdout.write(f"{total} endings in {took:.0f} s, nothing lost beyond what is stated\n")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""A few endings of each kind; many are ``python -m tests.hostile.endings 200``."""
+"""A few endings of each kind; many are ``python -m tests.hostile.endings 200 0``."""
 
 from __future__ import annotations
 
