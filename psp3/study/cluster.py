@@ -123,7 +123,8 @@ class _Capacity:
     """
 
     def __init__(self, client: Any) -> None:
-        self._client, self._last = client, sum(client.nthreads().values())
+        self._client = client
+        self._last: int = sum(client.nthreads().values())
         self._asked = self._answered = time.monotonic()
         self._answer: Future[dict[str, int]] | None = None
 

@@ -580,10 +580,14 @@ class Additions:
                 committed = _count(self._connection)
         except sqlite3.Error as error:
             self._forget(len(results))
+            # SQLite calls a file read-only whose name is gone.
+            self._check_place()
             raise self._file.translated(error, self.committed) from error
         self.committed = committed
         self._numbers = numbers
         self._forget(len(results))
+        # Again, for an open file takes rows though its name is gone.
+        self._check_place()
 
     def _check_place(self) -> None:
         for path, status in self._held.items():

@@ -25,7 +25,7 @@ from hypothesis import strategies as st
 import psp3
 from psp3.errors import InvalidStudyFile, PSP3Error, StudyFileNotWritable, StudyInUse, StudyMismatch
 from psp3.study import file as study_file
-from psp3.study.file import APPLICATION, FORMAT, GROUP, StudyFile, checksums
+from psp3.study.file import APPLICATION, FORMAT, GROUP, Additions, StudyFile, checksums
 from psp3.study.keys import Runs, key, setting_key, setting_values
 from psp3.study.run import METRICS, Run, contents
 from psp3.study.table import Table
@@ -450,6 +450,20 @@ def test_file_that_goes_away_while_results_are_added_is_noticed(
     with pytest.raises(StudyFileNotWritable, match=r"deleted or replaced .* run the study again"):
         add()
     assert place.exists() == (how == "replaced"), "what is there now is somebody else's"
+
+
+def test_file_that_goes_away_within_the_last_commit_is_noticed(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    numbered = Additions._numbered
+
+    def gone(*arguments: Any) -> Any:
+        path.rename(path.with_name("elsewhere"))
+        return numbered(*arguments)
+
+    monkeypatch.setattr(Additions, "_numbered", gone)
+    with pytest.raises(StudyFileNotWritable, match="deleted or replaced"):
+        fill(path)
 
 
 # What does not belong is refused
