@@ -220,7 +220,10 @@ def _one_or_each(given: Limit, robot: ClosedLoopRobot) -> Any:
     return of_each("--torque-limit", Numbers(given.values), robot.actuated)
 
 
-def _figure(robot: ClosedLoopRobot, result: Result, title: str) -> Any:
+def _figure(robot: ClosedLoopRobot, result: Result, text: str) -> Any:
+    from fuzzy2.plots.names import literal
+
+    title = literal(text)
     if robot.has_inverse_of_tip:
         from psp3.plots.control import figure_of_tracking
 

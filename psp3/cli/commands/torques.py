@@ -87,9 +87,10 @@ def _figure(robot: ClosedLoopRobot, forces: ScrewForces, title: str) -> Any:
         from psp3.plots.three_psp import figure_of_torques
 
         return figure_of_torques(forces)
+    from fuzzy2.plots.names import literal
     from psp3.plots.joints import figure_of_joint_forces
 
-    return figure_of_joint_forces(robot, forces, f"{robot.title}, {title}")
+    return figure_of_joint_forces(robot, forces, literal(f"{robot.title}, {title}"))
 
 
 def _table_of_joints(title: str, robot: ClosedLoopRobot, forces: ScrewForces) -> Any:
