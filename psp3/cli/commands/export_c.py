@@ -8,6 +8,8 @@ from typing import Annotated
 
 import typer
 
+from psp3.cli.output import say
+
 
 class PrecisionName(StrEnum):
     """Precision of numbers in C."""
@@ -80,7 +82,7 @@ def c(
     code = export_project(
         opened(thing, owner), out, precision=precision.value, name=name or identifier(thing)
     )
-    typer.echo(
+    say(
         f"{code.name}.c and {code.name}.h are in {out}, with {len(code.functions)} "
         f"function{'s' if len(code.functions) > 1 else ''}; 'make -C {out} test' compares what "
         "they answer with Python"

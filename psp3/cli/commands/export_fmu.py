@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from psp3.cli.options import fmu_output
+from psp3.cli.output import say
 
 
 def fmu(
@@ -68,10 +69,10 @@ def fmu(
         warnings.simplefilter("always", SourceOnlyFMU)
         written = export_fmu(model, out, robot=steered, period=period, steps=steps, name=name)
     for warning in warned:
-        typer.echo(f"psp3: {warning.message}", err=True)
+        say(f"psp3: {warning.message}", err=True)
     for causality in ("input", "output", "parameter"):
         names = [one.name for one in written.variables if one.causality == causality]
         if names:
-            typer.echo(f"{causality}s: {', '.join(names)}")
+            say(f"{causality}s: {', '.join(names)}")
     holds = "source code and a binary" if written.has_binary else "source code alone"
-    typer.echo(f"{out} holds {holds}; steps are multiples of {period:g} s")
+    say(f"{out} holds {holds}; steps are multiples of {period:g} s")

@@ -32,6 +32,7 @@ from psp3.cli.output import (
     new_table,
     print_json,
     progress_bar,
+    say,
     show,
     show_text,
     write_csv,
@@ -160,7 +161,7 @@ def simulate(
     except SimulationStopped as error:
         files = write(error.result)
         kept = f"; the part until then is in {listed(map(str, files.values()))}" if files else ""
-        typer.echo(f"{error_message(error)}{kept}{_why_it_may_have(which)}", err=True)
+        say(f"{error_message(error)}{kept}{_why_it_may_have(which)}", err=True)
         raise typer.Exit(USAGE) from error
     files = write(result)
     if outputs.csv == Path("-"):
@@ -194,7 +195,7 @@ def simulate(
     else:
         _show_joint_metrics(metrics, title, which)
     for path in files.values():
-        typer.echo(path)
+        say(path)
 
 
 def _why_it_may_have(robot: ClosedLoopRobot) -> str:

@@ -10,7 +10,7 @@ import typer
 from psp3.cli.joint_tables import commanded_joints, joint_units
 from psp3.cli.option_groups import MotionOptions, OutputOptions, single_options
 from psp3.cli.options import Model, TrajectoryText
-from psp3.cli.output import draw_figure, fixed, new_table, print_json, show, write_csv
+from psp3.cli.output import draw_figure, fixed, new_table, print_json, say, show, write_csv
 from psp3.cli.robot_options import RobotOptions
 from psp3.cli.shared import trajectory_from_options
 
@@ -79,7 +79,7 @@ def torques(
         else _table_of_joints(title, which, forces)
     )
     for path in files.values():
-        typer.echo(path)
+        say(path)
 
 
 def _figure(robot: ClosedLoopRobot, forces: ScrewForces, title: str) -> Any:
