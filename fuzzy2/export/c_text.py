@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import re
+
+from fuzzy2.errors import printable
 
 WORD = r"[A-Za-z_]\w*"
 RESERVED = frozenset(
@@ -88,5 +91,15 @@ def otherwise(lines: list[str], space: str) -> list[str]:
 
 
 def comment(text: str) -> str:
-    """Return a text that a comment can hold."""
-    return text.replace("``", "").replace("*/", "* /").replace("/*", "/ *")
+    """Return a text that a comment can hold: nothing in a name ends it.
+
+    Not even across lines, which a backslash joins, nor as a trigraph, which stands for one.
+    """
+    shown = printable(text).replace("``", "").replace("??/", "? ?/")
+    return re.sub(r"\\(?=\s*(\n|$))", "|", shown).replace("*/", "* /").replace("/*", "/ *")
+
+
+def string(text: str) -> str:
+    """Return a text as a string of C, whatever is in it."""
+    # Question marks are escaped, for two of them may begin a trigraph.
+    return json.dumps(printable(text), ensure_ascii=False).replace("?", "\\?")

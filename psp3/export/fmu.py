@@ -148,7 +148,7 @@ def export_fmu(
 def _identifier(text: str) -> str:
     """Return an identifier of C like a text."""
     word = re.sub(r"\W+", "_", text, flags=re.ASCII)
-    return word if word[:1].isalpha() or word[:1] == "_" else f"model_{word}"
+    return word if word[:1].isalpha() else f"model_{word.lstrip('_')}"
 
 
 def _written(model: Model, path: Path) -> FMU:

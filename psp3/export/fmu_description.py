@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from xml.etree import ElementTree
 
+from fuzzy2.errors import printable
 from psp3.export.fmu_model import Model, Variable
 from psp3.version import __version__
 
@@ -37,7 +38,7 @@ def description(model: Model, guid: str, sources: list[str]) -> str:
         fmiVersion="2.0",
         modelName=model.name,
         guid=guid,
-        description=model.title,
+        description=printable(model.title),
         generationTool=f"psp3 {__version__}",
         variableNamingConvention="flat",
     )

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
 
 from fuzzy2.export.c_code import CFunction
+from fuzzy2.export.c_text import comment, string
 from psp3.export.fmu_model import Model
 
 
@@ -22,13 +22,13 @@ def glue(model: Model, guid: str) -> str:
     state = f"{model.name}_state" if _has_state(model) else "struct { char none; }"
     return "\n".join(
         [
-            f"/* {model.title}: values, and what begins the model and moves it on. */",
+            f"/* {comment(model.title)}: values, and what begins the model and moves it on. */",
             "#ifndef MODEL_H",
             "#define MODEL_H",
             "",
             f'#include "{model.name}.h"',
             "",
-            f"#define MODEL_GUID {_text(guid)}",
+            f"#define MODEL_GUID {string(guid)}",
             f"#define MODEL_PERIOD {model.period!r} /* s */",
             f"#define MODEL_VALUES {len(model.variables)}",
             "",
@@ -36,7 +36,7 @@ def glue(model: Model, guid: str) -> str:
             "",
             _table("double", "start", (repr(one.start) for one in model.variables)),
             _table("char", "causality", (f"'{one.causality[0]}'" for one in model.variables)),
-            _table("char *const", "names", (_text(one.name) for one in model.variables)),
+            _table("char *const", "names", (string(one.name) for one in model.variables)),
             "",
             _function("begin", model, [_call(model, model.begin)]),
             _function("show", model, _shown(model)),
@@ -50,10 +50,6 @@ def glue(model: Model, guid: str) -> str:
 
 def _has_state(model: Model) -> bool:
     return any(function.has_state for function in model.code.functions)
-
-
-def _text(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False)
 
 
 def _table(kind: str, name: str, entries: Iterable[str]) -> str:
@@ -105,7 +101,7 @@ def _function(name: str, model: Model, lines: list[str]) -> str:
 
 def _messages(model: Model) -> str:
     cases = "".join(
-        f"    case {code}:\n        return {_text(said)};\n"
+        f"    case {code}:\n        return {string(said)};\n"
         for code, said in sorted(model.messages.items())
     )
     return (
