@@ -199,7 +199,7 @@ def write_csv(path: Path, columns: dict[str, Any]) -> None:
     if path == Path("-"):
         # A program that reads this gets the names as they are; a person sees them.
         shown = printable_text(text.getvalue()) if sys.stdout.isatty() else text.getvalue()
-        typer.echo(shown, nl=False)
+        sys.stdout.write(shown)
     else:
         write_text(text.getvalue(), path)
 

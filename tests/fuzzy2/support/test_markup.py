@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import json
+import re
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -18,6 +19,14 @@ from tests.hostile.names import HOSTILE
 ROOT = Path(__file__).resolve().parents[3]
 SOURCES = [path for root in ("fuzzy2", "psp3") for path in sorted((ROOT / root).rglob("*.py"))]
 TEXT = st.text(st.characters(codec="utf-8")) | st.sampled_from(HOSTILE)
+
+
+TAG = re.compile(
+    "</[a-z]|<(a|b|code|div|figure|h[1-6]|head|html|iframe|img|li|meta|ol|p|path|script|span|style"
+    "|svg|table|tbody|td|th|thead|title|tr|ul)[ >]",
+    flags=re.IGNORECASE,
+)
+"""Elements of pages; files of robots and fuzzy systems have others, which messages name."""
 
 
 class Read(HTMLParser):
@@ -97,16 +106,7 @@ def made_by_hand(source: str) -> list[str]:
         and isinstance(node.value, str)
         and id(node) not in documented
     ]
-    tags = (
-        "a b body code div figure h1 h2 head html iframe img li meta ol p path script span style "
-    )
-    tags += "svg table tbody td th thead title tr ul"
-    return [
-        text
-        for text in texts
-        if any(f"<{tag}{end}" in text.lower() for tag in tags.split() for end in (" ", ">"))
-        or "</" in text
-    ]
+    return [text for text in texts if TAG.search(text)]
 
 
 @pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.relative_to(ROOT).as_posix())
@@ -115,12 +115,11 @@ def test_no_other_module_writes_html(path: Path) -> None:
     if path.name == "markup.py":
         assert "html.escape" in source
         return
-    assert "import html" not in source
-    assert "from html" not in source
-    assert [text for text in made_by_hand(source) if "XML" not in text] == []
+    assert not re.search(r"^(import|from) html\b", source, flags=re.MULTILINE)
+    assert made_by_hand(source) == []
 
 
 def test_html_by_hand_would_be_found() -> None:
-    assert made_by_hand('f"<td class=x>{name}"') == ["<td class=x>"]
-    assert made_by_hand('"text</td>"') == ["text</td>"]
+    assert made_by_hand('x = f"<td class=x>{name}"') == ["<td class=x>"]
+    assert made_by_hand('x = "text</td>"') == ["text</td>"]
     assert made_by_hand('"""<td>."""') == []
