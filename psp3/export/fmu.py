@@ -32,6 +32,7 @@ from psp3.export.fmu_description import description
 from psp3.export.fmu_glue import glue
 from psp3.export.fmu_model import Model, Variable
 from psp3.export.fmu_plant import plant_model
+from psp3.export.robot_text import LONGEST
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden", "-shared")
@@ -147,7 +148,7 @@ def export_fmu(
 
 def _identifier(text: str) -> str:
     """Return an identifier of C like a text."""
-    word = re.sub(r"\W+", "_", text, flags=re.ASCII)
+    word = re.sub(r"\W+", "_", text, flags=re.ASCII)[:LONGEST]
     return word if word[:1].isalpha() else f"model_{word.lstrip('_')}"
 
 

@@ -26,9 +26,13 @@ CODES = (
 )
 
 
+LONGEST = 48
+"""Letters of an identifier that is made of a name: files are called like it, too."""
+
+
 def identifier(name: str) -> str:
     """Return a name as an identifier of C."""
-    word = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")
+    word = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")[:LONGEST]
     return f"robot_{word}" if not word or word[0].isdigit() else word
 
 
