@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 
 from fuzzy2.errors import printable
@@ -68,7 +67,10 @@ def without_idle(lines: list[str], variables: set[str]) -> list[str]:
             match = re.match(r"(\s*)(\w+) = (.*);$", line)
             if match and match[2] in variables and match[2] not in known:
                 if re.search(r"\w\(", match[3]):
-                    kept.append(f"{match[1]}(void){match[3]};")
+                    call = re.match(r"\w+(\(.*\))$", match[3])
+                    one = call is not None and bare(call[1]) != call[1]
+                    code = match[3] if one else f"({match[3]})"
+                    kept.append(f"{match[1]}(void){code};")
                 continue
             kept.append(line)
         if kept == lines:
@@ -97,9 +99,3 @@ def comment(text: str) -> str:
     """
     shown = printable(text).replace("``", "").replace("??/", "? ?/")
     return re.sub(r"\\(?=\s*(\n|$))", "|", shown).replace("*/", "* /").replace("/*", "/ *")
-
-
-def string(text: str) -> str:
-    """Return a text as a string of C, whatever is in it."""
-    # Question marks are escaped, for two of them may begin a trigraph.
-    return json.dumps(printable(text), ensure_ascii=False).replace("?", "\\?")

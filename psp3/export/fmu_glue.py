@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from fuzzy2.export.c_code import CFunction
-from fuzzy2.export.c_text import comment, string
+from fuzzy2.export.c_text import comment
 from psp3.export.fmu_model import Model
 
 
@@ -19,24 +19,25 @@ def glue(model: Model, guid: str) -> str:
     guid : str
         What binds it to its modelDescription.xml.
     """
-    state = f"{model.name}_state" if _has_state(model) else "struct { char none; }"
+    state = f"{model.code.name}_state" if _has_state(model) else "struct { char none; }"
     return "\n".join(
         [
             f"/* {comment(model.title)}: values, and what begins the model and moves it on. */",
             "#ifndef MODEL_H",
             "#define MODEL_H",
             "",
-            f'#include "{model.name}.h"',
+            f'#include "{model.code.name}.h"',
             "",
-            f"#define MODEL_GUID {string(guid)}",
+            f"#define MODEL_GUID {_text(guid)}",
             f"#define MODEL_PERIOD {model.period!r} /* s */",
             f"#define MODEL_VALUES {len(model.variables)}",
+            f"#define MODEL_LONGEST {_longest(model)} /* bytes of a text of the model */",
             "",
             f"typedef {state} model_state;",
             "",
             _table("double", "start", (repr(one.start) for one in model.variables)),
             _table("char", "causality", (f"'{one.causality[0]}'" for one in model.variables)),
-            _table("char *const", "names", (string(one.name) for one in model.variables)),
+            _table("char *const", "names", (_text(one.name) for one in model.variables)),
             "",
             _function("begin", model, [_call(model, model.begin)]),
             _function("show", model, _shown(model)),
@@ -50,6 +51,19 @@ def glue(model: Model, guid: str) -> str:
 
 def _has_state(model: Model) -> bool:
     return any(function.has_state for function in model.code.functions)
+
+
+def _text(text: str) -> str:
+    """Return a text as C writes it: what is not plain by the numbers of its bytes in UTF-8."""
+    plain = (
+        chr(b) if 32 <= b < 127 and chr(b) not in '"?\\' else f"\\{b:03o}" for b in text.encode()
+    )
+    return f'"{"".join(plain)}"'
+
+
+def _longest(model: Model) -> int:
+    texts = [*model.messages.values(), *(variable.name for variable in model.variables)]
+    return max(len(text.encode()) for text in texts)
 
 
 def _table(kind: str, name: str, entries: Iterable[str]) -> str:
@@ -101,7 +115,7 @@ def _function(name: str, model: Model, lines: list[str]) -> str:
 
 def _messages(model: Model) -> str:
     cases = "".join(
-        f"    case {code}:\n        return {string(said)};\n"
+        f"    case {code}:\n        return {_text(said)};\n"
         for code, said in sorted(model.messages.items())
     )
     return (
