@@ -16,7 +16,7 @@ from fuzzy2.export.project import export_project
 from psp3.drives.drive import Drive
 from psp3.export.fmu_glue import _text, glue
 from psp3.export.fmu_plant import plant_model
-from psp3.export.robot_text import LONGEST, identifier
+from psp3.export.robot_text import LONGEST, prefix_of
 
 NAMES = (
     "*/ int evil; /*",
@@ -75,4 +75,4 @@ def test_names_of_a_system_are_cells_of_its_readme(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", [*NAMES, "../../etc/passwd", "a" * 5000, "-x", "CON"], ids=ascii)
 def test_files_are_not_called_what_a_name_says(name: str) -> None:
-    assert re.fullmatch(rf"[A-Za-z]\w{{,{LONGEST + 5}}}", identifier(name), re.ASCII)
+    assert re.fullmatch(rf"[A-Za-z]\w{{,{LONGEST - 1}}}", prefix_of(name), re.ASCII)
