@@ -1,21 +1,61 @@
 """Everything this package raises on purpose.
 
-Each error carries the values it is about and says what to do.
+Each error carries the values it is about and says what to do. Messages hold names that files of
+others bring: :func:`printable` is what can be shown of any text.
 """
 
 from __future__ import annotations
 
 import errno
+import re
 from collections.abc import Sequence
 from typing import Any, Self
 
 import numpy as np
 
+_UNSEEN = re.compile(
+    # Controls but newline and tab: escape sequences, bell, carriage return.
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f"
+    # What turns the direction of writing, joins nothing, or ends a line for some readers only. The
+    # joiners U+200C and U+200D stay: Persian and emoji are written with them.
+    "\u00ad\u061c\u180e\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb"
+    # Halves of characters, which file names that are not UTF-8 have; tags.
+    "\ud800-\udfff\U000e0000-\U000e007f]"
+)
+
+
+def printable(text: str) -> str:
+    r"""Return a text in which every character that is obeyed or unseen is written as its number.
+
+    Names come from files of others. On a terminal an escape sequence in one could clear the
+    screen or write another text, and a mark of direction turns what stands around it.
+
+    Parameters
+    ----------
+    text : str
+        Any text. Its lines and tabs stay.
+
+    Returns
+    -------
+    str
+        The text, with ``\x1b``, ``\u202e`` or ``\U000e0041`` in the place of such characters.
+    """
+    return _UNSEEN.sub(lambda found: _number_of(found[0]), text)
+
+
+def _number_of(character: str) -> str:
+    code = ord(character)
+    width, mark = next(
+        (width, mark) for width, mark in ((2, "x"), (4, "u"), (8, "U")) if code < 16**width
+    )
+    return f"\\{mark}{code:0{width}x}"
+
 
 class RaisedOnPurpose(BaseException):
     """Base of the errors and warnings of this package, and of those that build on it.
 
-    They can be pickled, so they cross process boundaries whole.
+    They can be pickled, so they cross process boundaries whole. Their messages hold names of
+    others, and so nothing that a terminal obeys, see :func:`printable`.
     """
 
     _arguments: tuple[Any, ...]
@@ -28,6 +68,9 @@ class RaisedOnPurpose(BaseException):
 
     def __reduce__(self) -> tuple[type[RaisedOnPurpose], tuple[Any, ...]]:
         return type(self), self._arguments
+
+    def __str__(self) -> str:
+        return printable(super().__str__())
 
 
 class Fuzzy2Error(RaisedOnPurpose, Exception):

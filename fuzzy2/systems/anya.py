@@ -7,7 +7,6 @@ rules.
 
 from __future__ import annotations
 
-import html
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, cast
@@ -17,12 +16,14 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, NotApplicable, ReadOnly
 from fuzzy2.support.checks import Array, reals
+from fuzzy2.support.markup import Markup, joined
 from fuzzy2.support.shown import Shown
 from fuzzy2.systems.antecedents import Is
 from fuzzy2.systems.explainable import Explainable
 from fuzzy2.systems.explanation import Explanation
 from fuzzy2.systems.gradients import analytic_gradient, central_differences
 from fuzzy2.systems.named_inputs import by_name, like_inputs
+from fuzzy2.systems.pictures import listed, titled
 from fuzzy2.systems.system import FuzzySystem
 from fuzzy2.systems.words import rules_in_words
 
@@ -315,6 +316,5 @@ class AnYaSystem(Shown):
         name = self.input_names[self.asked[int(leaf.variable)]]
         return Is(name, None if leaf.term is None else "dense")
 
-    def _repr_html_(self) -> str:
-        rules = "".join(f"<li>{html.escape(rule)}</li>" for rule in self.rules_in_words())
-        return f"<p><code>{html.escape(repr(self))}</code></p><ol>{rules}</ol>"
+    def _repr_html_(self) -> Markup:
+        return joined([titled(self), listed(self.rules_in_words())])

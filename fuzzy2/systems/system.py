@@ -42,6 +42,7 @@ from fuzzy2.operations.t_norms import t_norm as norm_named
 from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.type1 import Type1Set
 from fuzzy2.support.checks import Array, binary_exponent, reals
+from fuzzy2.support.markup import Markup
 from fuzzy2.support.shown import Shown
 from fuzzy2.systems.antecedents import strength, trees_of
 from fuzzy2.systems.consequents import Formulas, FunctionsOfInputs
@@ -817,7 +818,7 @@ class FuzzySystem(Shown):
         logarithms[far] = of_far
         return logarithms, np.isin(np.arange(len(rows)), far)
 
-    def _repr_html_(self) -> str:
+    def _repr_html_(self) -> Markup:
         return html_of(self)
 
     def validity(self, X: ArrayLike) -> Array:

@@ -18,7 +18,6 @@ uses the closed form of the 3-PSP, the thesis's natural orthogonal complement or
 from __future__ import annotations
 
 import functools
-import logging
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -27,6 +26,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from fuzzy2.support.logs import logger_named
 from psp3.checks import Array, finite_rows, one_row, together
 from psp3.closure.passive_limits import PassiveLimits
 from psp3.closure.rank import dependent_solver, null_space
@@ -80,7 +80,7 @@ FREE = ("lock", "keep", "refuse")
 PRELOAD_TOLERANCE = 1e-7
 """Share of the largest singular value of the actuation matrix up to which one counts as zero."""
 
-logger = logging.getLogger(__name__)
+logger = logger_named(__name__)
 
 
 class ClosedLoopRobot:
