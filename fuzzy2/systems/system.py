@@ -42,6 +42,7 @@ from fuzzy2.operations.t_norms import t_norm as norm_named
 from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.type1 import Type1Set
 from fuzzy2.support.checks import Array, binary_exponent, reals
+from fuzzy2.support.pieces import pieces
 from fuzzy2.support.shown import Shown
 from fuzzy2.systems.antecedents import strength, trees_of
 from fuzzy2.systems.consequents import Formulas, FunctionsOfInputs
@@ -558,12 +559,15 @@ class FuzzySystem(Shown):
         if self._points is not None and not binary_exponent(rows):
             from fuzzy2.systems.output_kernels import averages
 
-            averages(self._points, rows.ravel(), found.ravel())
+            for part in pieces(len(rows)):
+                averages(self._points, rows[part].ravel(), found[part].ravel())
         elif self._unions is not None:
             from fuzzy2.systems.union_rows import unions
 
             refused = np.empty(len(rows), bool)
-            if unions(self._unions, rows.ravel(), found.ravel(), refused):
+            for part in pieces(len(rows)):
+                unions(self._unions, rows[part].ravel(), found[part].ravel(), refused[part])
+            if refused.any():
                 found[refused] = self._or_default(self._reduced(rows[refused]))
         else:
             found = self._or_default(self._reduced(rows))
@@ -618,8 +622,11 @@ class FuzzySystem(Shown):
         results: Array = np.empty(
             (*shape, self.n_outputs) if crisp else (*shape, self.n_outputs, 2)
         )
-        if self._kernels.evaluate(self._table, rows.ravel(), 0.0, crisp, results.ravel()) >= 0:
-            self._refuse(rows)
+        out = results.reshape(-1, self.n_outputs if crisp else 2 * self.n_outputs)
+        for part in pieces(len(rows)):
+            given = self._table, rows[part].ravel(), 0.0, crisp, out[part].ravel()
+            if self._kernels.evaluate(*given) >= 0:
+                self._refuse(rows)
         return results
 
     def firing(self, X: ArrayLike) -> Array:
@@ -647,7 +654,8 @@ class FuzzySystem(Shown):
     def _firing(self, rows: Array) -> Array:
         if self._table is not None:
             out = np.empty((len(rows), len(self.rules), 2))
-            self._kernels.firing(self._table, rows.ravel(), 0.0, out.ravel())
+            for part in pieces(len(rows)):
+                self._kernels.firing(self._table, rows[part].ravel(), 0.0, out[part].ravel())
             return out
         return self._combine(self._grades(rows))
 
