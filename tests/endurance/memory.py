@@ -93,7 +93,9 @@ def calls() -> dict[str, Callable[[], object]]:
         "PSP3.inverse_dynamics": lambda: robot.inverse_dynamics(heights, three, three),
         "PSP3.forward_dynamics": lambda: robot.forward_dynamics(heights, three, three),
         "PSP3.forward_kinematics": lambda: robot.forward_kinematics(heights),
-        "PSP3, refused": lambda: refused(lambda: robot.inverse_dynamics(9 * heights, three, three)),
+        "PSP3, refused": lambda: refused(
+            lambda: robot.inverse_dynamics(heights * np.nan, three, three)
+        ),
         "inverse_dynamics": lambda: other.inverse_dynamics(joints, three, three),
         "inverse_dynamics, last pose": lambda: other.inverse_dynamics(
             joints, three, three, guess=guess
@@ -176,7 +178,8 @@ def main(count: int = 10_000_000) -> None:
                 begun = time.monotonic()
                 grown = slope(call, number)
                 seconds = time.monotonic() - begun
-                print(f"{name}\t{number}\t{grown:.3f} bytes\t{seconds:.1f} s", flush=True)
+                sys.stdout.write(f"{name}\t{number}\t{grown:.3f} bytes\t{seconds:.1f} s\n")
+                sys.stdout.flush()
 
 
 if __name__ == "__main__":

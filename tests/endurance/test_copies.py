@@ -75,7 +75,7 @@ def batches(robot: Any) -> Any:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["PSP3", "ClosedLoopRobot"])
 def test_threads_of_a_forked_process(name: str, objects: dict[str, Any]) -> None:
-    """A fork has none of the threads that its parent's batches have used, and a lock may be held."""
+    """A fork has none of the threads that its parent has used for batches."""
     robot = objects[name]
     expected = batches(robot)
     with multiprocessing.get_context("fork").Pool(2) as pool:
