@@ -14,7 +14,8 @@ from fuzzy2.export.values import BOOL, INT, REAL, Row, Scalar, Value
 FUNCTIONS = frozenset(
     {
         *("sqrt", "exp", "expm1", "log", "log1p", "sin", "cos", "tan", "asin", "acos", "atan"),
-        *("atan2", "sinh", "cosh", "tanh", "hypot", "floor", "ceil", "copysign", "fabs", "pow"),
+        *("atan2", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "hypot", "log10"),
+        *("floor", "ceil", "copysign", "fabs", "pow"),
     }
 )
 """Functions of ``math`` that ``math.h`` has under the same name."""
