@@ -146,7 +146,7 @@ class CodeCache(FunctionCache):
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:
-        super().__init__(function)
+        super().__init__(function)  # type: ignore[no-untyped-call]
         files = self._cache_file
         self._cache_file = CodeFiles.instead_of(files, function.__module__)
 
@@ -161,7 +161,7 @@ class CodeCache(FunctionCache):
             The code.
         """
         try:
-            super().save_overload(sig, data)
+            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
         except OSError as error:
             _warn(self.cache_path, f"no file can be written there ({error.strerror})")
 
