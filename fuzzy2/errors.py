@@ -332,3 +332,15 @@ class FeatureNamesWarning(RaisedOnPurpose, UserWarning):
             super().__init__(
                 f"X has feature names, but {estimator} was fitted without feature names"
             )
+
+
+class CodeNotKept(RaisedOnPurpose, UserWarning):
+    """Compiled code that should be on the disk is not there, or not as it was written."""
+
+    def __init__(self, folder: str, why: str) -> None:
+        self.folder, self.why = folder, why
+        super().__init__(
+            f"code is compiled anew, which takes a while: {why}: {folder}; if that is said again "
+            "and again, delete that folder, make room on its disk, or name another one in "
+            "NUMBA_CACHE_DIR"
+        )

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from fuzzy2.errors import InvalidValue, NotApplicable, ReadOnly
 from fuzzy2.support.checks import Array, reals
 from fuzzy2.support.markup import Markup, joined
+from fuzzy2.support.pieces import pieces
 from fuzzy2.support.shown import Shown
 from fuzzy2.systems.antecedents import Is
 from fuzzy2.systems.explainable import Explainable
@@ -151,9 +152,11 @@ class AnYaSystem(Shown):
         x = self._checked(X)
         rows = np.require(x, np.float64, ["C", "W"])
         out = np.empty((*x.shape[:-1], len(self.asked)))
-        arrays = self._data, self._starts, self._cloud_of, rows.ravel(), out.ravel()
-        if relative_densities(*arrays) >= 0:
-            raise InvalidValue("X", x, "finite")
+        inputs, found = rows.reshape(-1, x.shape[-1]), out.reshape(-1, len(self.asked))
+        clouds = self._data, self._starts, self._cloud_of
+        for part in pieces(len(inputs)):
+            if relative_densities(*clouds, inputs[part].ravel(), found[part].ravel()) >= 0:
+                raise InvalidValue("X", x, "finite")
         return out
 
     def _checked(self, X: Any) -> Array:

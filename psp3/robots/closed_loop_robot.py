@@ -91,6 +91,10 @@ class ClosedLoopRobot:
     What Pinocchio computes (frames and their Jacobians) serves one thread at a time, because it is
     computed in one ``data``; everything else serves many. A robot can be pickled and copied.
 
+    Of ``model``, gravity may be changed: it is looked at with every question. Other changes come
+    too late, since its numbers are taken when the robot is made: some answers would know them, and
+    some not. Change the model first, and make a robot of it.
+
     Parameters
     ----------
     model : pinocchio.Model

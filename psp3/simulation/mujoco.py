@@ -16,7 +16,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, as_floats, checked_count
+from psp3.checks import Array, as_floats, checked_steps
 from psp3.drives.drive import NO_DRIVE, Drive, drive_table
 from psp3.errors import InvalidValue, MissingPackage
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
@@ -72,7 +72,7 @@ class MuJoCo:
         torque_limit: ArrayLike | None = None,
     ) -> None:
         self._engine = mujoco = _mujoco()
-        self._robot, self._steps = robot, checked_count("steps", steps)
+        self._robot, self._steps = robot, checked_steps(steps)
         m = len(robot.actuated)
         table = drive_table(drive, m)
         self.model = model = mujoco.MjModel.from_xml_string(to_mjcf(robot))
@@ -112,6 +112,13 @@ class MuJoCo:
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
         # What follows from inertia, and is kept in the model, knows of the motors only now.
         mujoco.mj_setConst(model, self.data)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_engine": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._engine = _mujoco()
 
     @property
     def gap(self) -> float:
