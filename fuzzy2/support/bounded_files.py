@@ -2,7 +2,7 @@
 
 A file from elsewhere may be made to fill the memory or to take hours. So every reader of both
 packages looks at these bounds before it makes anything of a file. Files that people write are far
-below them; the page "What a reader takes" of the documentation says them in words.
+below them; ``docs/robot_files.md`` says them in words, with those of single formats.
 """
 
 from __future__ import annotations

@@ -130,8 +130,8 @@ def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[np.gene
         size = member.file_size - content.tell()
         if math.prod(shape) * kind.itemsize != size:
             raise ValueError(
-                f"{member.filename[:80]!r} says it holds {math.prod(shape)} entries, and has {size} "
-                "bytes"
+                f"{member.filename[:80]!r} says it holds {math.prod(shape)} entries, and has "
+                f"{size} bytes"
             )
         data = np.empty(size, np.uint8)
         at = 0

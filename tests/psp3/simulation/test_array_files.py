@@ -77,7 +77,7 @@ def test_a_compressed_file_is_read_up_to_so_many_bytes(tmp_path: Path) -> None:
     path = tmp_path / "a.npz"
     np.savez_compressed(path, t=np.zeros(10**6))
     assert path.stat().st_size < 20_000
-    with pytest.raises(ValueError, match="8000128 bytes, and 1000000 are read.*largest=8000128"):
+    with pytest.raises(ValueError, match=r"8000128 bytes, and 1000000 are read.*largest=8000128"):
         arrays_of(path, 10**6)
     assert arrays_of(path, 8000128)["t"].size == 10**6
 
