@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 import fuzzy2.errors
 from fuzzy2.errors import RaisedOnPurpose
+from fuzzy2.support.bounded_files import shortened
 from fuzzy2.support.checks import Array
 
 
@@ -315,11 +316,14 @@ class DisorderedJoints(PSP3Error, ValueError):
 
 
 class InvalidFile(PSP3Error, ValueError):
-    """Base of the errors about a file that cannot be used."""
+    """Base of the errors about a file that cannot be used.
+
+    ``reason`` is never longer than a reader shows, whatever stands in the file.
+    """
 
     def __init__(self, path: str | Path, reason: str) -> None:
-        self.path, self.reason = Path(path), reason
-        super().__init__(f"{path}: {reason}")
+        self.path, self.reason = Path(path), shortened(reason)
+        super().__init__(f"{path}: {self.reason}")
 
 
 class InvalidRobotFile(InvalidFile):

@@ -7,10 +7,10 @@ import os
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from pathlib import Path
 from typing import IO, Any, Literal
 
 from fuzzy2.errors import FileNotWritten, MalformedFile
+from fuzzy2.support.bounded_files import LARGEST_NUMBERS, content_of
 from fuzzy2.support.drafts import clear_drafts, is_draft, new_draft
 
 STANDARD_STREAMS = (1, 2)
@@ -20,17 +20,19 @@ NO_SYNC_OF_FOLDERS = (errno.EINVAL, errno.ENOTSUP, errno.EACCES)
 """What file systems answer whose folders cannot be synchronized, or not by us."""
 
 
-def read_text(path: str | os.PathLike[str]) -> str:
-    """Return the text of a file in UTF-8, with or without a byte order mark.
+def read_text(path: str | os.PathLike[str], most: int = LARGEST_NUMBERS) -> str:
+    """Return the text of a file in UTF-8 of at most so many bytes.
+
+    With or without a byte order mark.
 
     Raises
     ------
     MalformedFile
         If it is not UTF-8; it names the line.
     OSError
-        If it cannot be read.
+        If it cannot be read, or is larger than a reader takes.
     """
-    content = Path(path).read_bytes()
+    content = content_of(path, most)
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

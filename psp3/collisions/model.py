@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from psp3.checks import Array, one_row
 from psp3.collisions.pairs import pairs_to_check
+from psp3.description.meshes import not_opened
 from psp3.description.srdf import Exclusion, excluded_by_srdf
 from psp3.description.urdf_plain import make_meshes_absolute, plain_urdf
 from psp3.errors import InvalidRobotFile, InvalidValue, OverlappingShapes
@@ -303,6 +304,9 @@ def collision_model(
     path = Path(urdf)
     root = plain_urdf(path)
     make_meshes_absolute(path, root)
+    for mesh in root.iterfind("link/collision/geometry/mesh"):
+        if reason := not_opened(mesh.attrib["filename"], [path.parent]):
+            raise InvalidRobotFile(path, f"mesh {mesh.attrib['filename']!r} {reason}")
     text = ElementTree.tostring(root, encoding="unicode")
     try:
         model = pin.buildModelFromXML(text)

@@ -14,7 +14,6 @@ The keys are those of toolbox-parallel-robots, so its files can be read here and
 
 from __future__ import annotations
 
-import reprlib
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -23,6 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from fuzzy2.support.bounded_files import content_of, shortened
 from fuzzy2.support.logs import logger_named
 from psp3.description.joint_replacement import REPLACEMENTS
 from psp3.errors import InvalidRobotFile
@@ -31,9 +31,17 @@ from psp3.multibody.named_frames import frames_named
 
 logger = logger_named(__name__)
 
-SHORT = reprlib.Repr()
-"""Writes a value in an error message: of lists in lists in lists no more than two."""
-SHORT.maxlevel = 2
+TEXT, LIST, TABLE = (f"tag:yaml.org,2002:{kind}" for kind in ("str", "seq", "map"))
+"""What YAML calls a text, a list and a table of keys."""
+
+LARGEST = 256 * 2**10
+"""Bytes of a loop file."""
+
+MOST = 20_000
+"""Lists, keys and names in it: thousands of loops, which YAML's parser reads in two seconds."""
+
+DEEPEST = 20
+"""Lists and keys in each other; a loop file needs three."""
 
 KEYS = ("closed_loop", "type", "name_mot", "joint_name", "joint_type")
 """Keys of a loop file."""
@@ -59,12 +67,80 @@ class Loops(NamedTuple):
     """Joints that stand for another kind of joint, with the kind."""
 
 
-def _names(path: Path, value: Any, key: str) -> tuple[str, ...]:
-    if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
+def _shown(node: Any) -> str:
+    """Return what an error message says of a part of the file: of lists the first entries."""
+    if not isinstance(node.value, list):
+        return repr(node.value[:80]) if node.tag == TEXT else str(node.value[:80])
+    if node.id == "mapping" or node.tag != LIST:
+        return f"a {node.id} {node.tag[:80]}"
+    entries = [
+        _shown(entry) if isinstance(entry.value, str) else f"{entry.id} of {len(entry.value)}"
+        for entry in node.value[:6]
+    ]
+    return f"[{', '.join(entries)}{', ...' if len(node.value) > 6 else ''}]"
+
+
+def _entries(path: Path, node: Any, key: str, of: str) -> list[Any]:
+    if node.tag != LIST or node.id != "sequence":
+        raise InvalidRobotFile(path, f"key {key!r} must hold a list of {of}, got {_shown(node)}")
+    entries: list[Any] = node.value
+    return entries
+
+
+def _names(path: Path, node: Any, key: str) -> tuple[str, ...]:
+    entries = _entries(path, node, key, "names")
+    if any(entry.tag != TEXT or entry.id != "scalar" for entry in entries):
+        raise InvalidRobotFile(path, f"key {key!r} must hold a list of names, got {_shown(node)}")
+    return tuple(entry.value for entry in entries)
+
+
+def _pair(path: Path, node: Any) -> tuple[str, str]:
+    """Return the two frames of a closed loop."""
+    # Before the names are looked at: a list of a few bytes may stand in a file thousands of times.
+    if node.id == "sequence" and len(node.value) != 2:
+        raise InvalidRobotFile(path, f"every closed loop joins two frames, got {_shown(node)}")
+    first, second = _names(path, node, "closed_loop")
+    if first == second:
+        raise InvalidRobotFile(path, f"closed loop {[first, second]} joins a frame with itself")
+    return first, second
+
+
+def _keys(path: Path) -> dict[str, Any]:
+    """Return the nodes of a YAML file by their keys.
+
+    Nothing is made of them, neither dates nor numbers nor objects of Python, so what stands under
+    keys of other programs is never computed, and a list that is repeated stays one list.
+    """
+    import yaml
+
+    class Loader(yaml.SafeLoader):
+        depth = found = 0
+
+        def compose_node(self, parent: Any, index: Any) -> Any:
+            self.depth += 1
+            self.found += 1
+            if self.depth > DEEPEST:
+                raise ValueError(f"more than {DEEPEST} lists or keys are in each other")
+            if self.found > MOST:
+                raise ValueError(f"it holds more than {MOST} lists, keys and names")
+            node = super().compose_node(parent, index)
+            self.depth -= 1
+            return node
+
+    try:
+        root = yaml.compose(content_of(path, LARGEST).decode("utf-8-sig"), Loader)
+    except (OSError, ValueError, RecursionError, yaml.YAMLError) as error:
         raise InvalidRobotFile(
-            path, f"key {key!r} must hold a list of names, got {SHORT.repr(value)}"
-        )
-    return tuple(value)
+            path, f"cannot be read as YAML ({getattr(error, 'strerror', None) or error})"
+        ) from error
+    if root is None or root.id != "mapping" or root.tag != TABLE:
+        raise InvalidRobotFile(path, "must hold the keys closed_loop, type and name_mot")
+    keys = [
+        key.value if key.tag == TEXT and key.id == "scalar" else _shown(key)
+        for key, _ in root.value
+    ]
+    _no_name_twice(path, tuple(keys), "the file", "a key")
+    return dict(zip(keys, (node for _, node in root.value), strict=True))
 
 
 def read_loops(path: str | Path) -> Loops:
@@ -88,64 +164,42 @@ def read_loops(path: str | Path) -> Loops:
         If the file is missing, is not YAML, lacks a key or holds something else than the format
         asks for.
     """
-    import yaml
-
     path = Path(path)
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError, yaml.YAMLError) as error:
-        raise InvalidRobotFile(
-            path, f"cannot be read as YAML ({getattr(error, 'strerror', None) or error})"
-        ) from error
-    if not isinstance(content, dict):
-        raise InvalidRobotFile(path, "must hold the keys closed_loop, type and name_mot")
+    content = _keys(path)
     missing = [key for key in ("closed_loop", "type", "name_mot") if key not in content]
     if missing:
         raise InvalidRobotFile(path, f"lacks the key {', '.join(missing)}")
-    unread = [SHORT.repr(key) for key in content if key not in KEYS]
+    unread = [repr(key[:80]) for key in content if key not in KEYS]
     if unread:
-        logger.warning("%s: these keys are not read: %s", path, ", ".join(unread))
-    pairs = content["closed_loop"]
-    if not isinstance(pairs, list):
-        raise InvalidRobotFile(
-            path, f"key 'closed_loop' must hold a list of frame pairs, got {SHORT.repr(pairs)}"
-        )
-    frames = tuple(_names(path, pair, "closed_loop") for pair in pairs)
-    if any(len(pair) != 2 for pair in frames):
-        raise InvalidRobotFile(path, f"every closed loop joins two frames, got {SHORT.repr(pairs)}")
-    itself = [pair for pair in frames if pair[0] == pair[1]]
-    if itself:
-        raise InvalidRobotFile(path, f"closed loop {list(itself[0])} joins a frame with itself")
+        logger.warning("%s: these keys are not read: %s", path, shortened(", ".join(unread)))
+    pairs = _entries(path, content["closed_loop"], "closed_loop", "frame pairs")
+    frames = tuple(_pair(path, pair) for pair in pairs)
     kinds = tuple(kind.lower() for kind in _names(path, content["type"], "type"))
     if len(kinds) != len(frames) or any(kind not in KINDS for kind in kinds):
         raise InvalidRobotFile(
             path,
             f"key 'type' must give '6d', '3d' or 'hinge' for each of the {len(frames)} closed "
-            f"loops, got {SHORT.repr(content['type'])}",
+            f"loops, got {_shown(content['type'])}",
         )
     actuated = _names(path, content["name_mot"], "name_mot")
     _no_name_twice(path, actuated, "name_mot")
-    return Loops(
-        tuple((pair[0], pair[1]) for pair in frames),
-        kinds,
-        actuated,
-        _replaced(path, content, actuated),
-    )
+    return Loops(frames, kinds, actuated, _replaced(path, content, actuated))
 
 
-def _no_name_twice(path: Path, names: tuple[str, ...], key: str) -> None:
+def _no_name_twice(path: Path, names: tuple[str, ...], key: str, what: str = "a joint") -> None:
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
-        raise InvalidRobotFile(path, f"{key} names a joint twice: {', '.join(twice)}")
+        raise InvalidRobotFile(path, f"{key} names {what} twice: {', '.join(twice)}")
 
 
 def _replaced(
     path: Path, content: dict[str, Any], actuated: tuple[str, ...]
 ) -> tuple[tuple[str, str], ...]:
-    names = _names(path, content.get("joint_name", []), "joint_name")
-    kinds = tuple(
-        kind.upper() for kind in _names(path, content.get("joint_type", []), "joint_type")
+    names, kinds = (
+        _names(path, content[key], key) if key in content else ()
+        for key in ("joint_name", "joint_type")
     )
+    kinds = tuple(kind.upper() for kind in kinds)
     if len(names) != len(kinds):
         raise InvalidRobotFile(
             path,

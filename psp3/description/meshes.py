@@ -6,11 +6,14 @@ STL (binary and text), OBJ, and MuJoCo's MSH.
 from __future__ import annotations
 
 import itertools
+import stat
+from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
+from fuzzy2.support.bounded_files import content_of
 from psp3.checks import Array, Indices
 from psp3.errors import InvalidFile
 
@@ -24,6 +27,18 @@ STL_TRIANGLE = np.dtype(
 
 READ_SUFFIXES = (".stl", ".obj", ".msh")
 """Ends of the names of mesh files that are read."""
+
+DRAWN_SUFFIXES = (*READ_SUFFIXES, ".dae", ".ply", ".off", ".3ds", ".gltf", ".glb", ".x", ".bvh")
+"""Ends of the names of mesh files that are drawn."""
+
+LARGEST_MESH = 32 * 2**20
+"""Bytes of a mesh whose inertia is computed."""
+
+LARGEST_DRAWN = 256 * 2**20
+"""Bytes of a mesh that is drawn."""
+
+MOST_TRIANGLES = 1_000_000
+"""Triangles of a mesh whose inertia is computed."""
 
 
 class Mesh(NamedTuple):
@@ -59,7 +74,7 @@ def read_mesh(path: Path) -> Mesh:
             path, f"is no mesh that is read here; those end in {', '.join(READ_SUFFIXES)}"
         )
     try:
-        content = path.read_bytes()
+        content = content_of(path, LARGEST_MESH)
     except OSError as error:
         raise InvalidFile(path, error.strerror or "cannot be read") from error
     try:
@@ -73,6 +88,36 @@ def read_mesh(path: Path) -> Mesh:
     if mesh.faces.min() < 0 or mesh.faces.max() >= len(mesh.vertices):
         raise InvalidFile(path, f"has a triangle of a vertex beyond its {len(mesh.vertices)}")
     return mesh
+
+
+def not_opened(name: str, folders: Iterable[Path] = ()) -> str:
+    """Return why a mesh that a robot file names is not opened to be drawn, empty if it may be.
+
+    A robot file may name any file of the machine. What is opened for it is a mesh by its name, a
+    file and no device, and not too large; whether it is there, says who reads it.
+
+    Parameters
+    ----------
+    name : str
+        The file, or a ``package://`` or ``file://`` of it.
+    folders : iterable of path
+        Where packages are looked for.
+    """
+    scheme, is_address, rest = name.partition("://")
+    path = Path(rest if is_address else name)
+    if path.suffix.lower() not in DRAWN_SUFFIXES:
+        return f"its name is no mesh's; those end in {', '.join(DRAWN_SUFFIXES)}"
+    for folder in folders if is_address and scheme != "file" else [Path()]:
+        try:
+            status = (folder / path).stat()
+        except (OSError, ValueError):
+            continue
+        if not stat.S_ISREG(status.st_mode):
+            return "is no file"
+        if status.st_size > LARGEST_DRAWN:
+            return f"is larger than {LARGEST_DRAWN // 2**20} MiB"
+        return ""
+    return ""
 
 
 def _stl(content: bytes) -> Mesh:
@@ -111,6 +156,8 @@ def _obj(content: bytes) -> Mesh:
             # Vertex, texture and normal, counted from one, or backward from the last.
             corners = [int(word.split("/")[0]) for word in words[1:]]
             places = [at - 1 if at > 0 else len(vertices) + at for at in corners]
+            if len(faces) + len(places) > MOST_TRIANGLES:
+                raise ValueError(f"more than {MOST_TRIANGLES} triangles")
             faces += [[places[0], *pair] for pair in itertools.pairwise(places[1:])]
     return Mesh(
         # In single precision, as engines that draw it hold it.

@@ -20,12 +20,15 @@ from psp3.description.joint_replacement import replace_joints
 from psp3.description.loop_file import check_actuated, rigid_constraint
 from psp3.description.mjcf_document import MjcfDocument
 from psp3.description.mjcf_expansion import spelled_out
-from psp3.description.mjcf_tree import MjcfJoint, PlainMjcf, plain_mjcf
-from psp3.description.parts import RobotParts
+from psp3.description.mjcf_tree import COLLISION_GROUP, MjcfJoint, PlainMjcf, plain_mjcf
+from psp3.description.parts import RobotParts, check_number
 from psp3.description.xml import described
 from psp3.multibody.equations import Coupling
 
 logger = logger_named(__name__)
+
+MOST_SHAPES = 2000
+"""Geoms that are drawn; Pinocchio's parser takes seconds for so many, and minutes for more."""
 
 
 def read_mjcf(
@@ -70,6 +73,13 @@ def read_mjcf(
     """
     document = spelled_out(path)
     plain = plain_mjcf(document)
+    check_number(document.path, len(plain.joints), "joints")
+    shapes = sum(1 for _ in plain.root.iter("geom"))
+    if shapes > MOST_SHAPES:
+        raise document.wrong(
+            f"has {shapes} geoms to draw, and at most {MOST_SHAPES} are read: those of group "
+            f"{COLLISION_GROUP} and above are not drawn"
+        )
     model, visual_model = _tree(document, plain)
     for name, (body, placement) in plain.sites.items():
         number = model.getFrameId(body, pin.FrameType.BODY)
@@ -80,6 +90,7 @@ def read_mjcf(
             )
         )
     _set_joints(model, plain)
+    check_number(document.path, model.nv, "speeds")
     replaced = dict(joint_type or {})
     model, visual_model = replace_joints(
         model, visual_model, list(replaced.items()), (), document.path

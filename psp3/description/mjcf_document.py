@@ -17,22 +17,33 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from fuzzy2.support.bounded_files import DEEPEST, MOST_ELEMENTS
 from psp3.checks import Array
 from psp3.description.mjcf_words import unknown_words
-from psp3.description.xml import described, numbers, read_xml
+from psp3.description.xml import MOST_ATTRIBUTES, described, numbers, read_xml
 from psp3.errors import InvalidRobotFile
 
 ORIENTATIONS = {"quat": 4, "axisangle": 4, "euler": 3, "xyaxes": 6, "zaxis": 3}
 """Attributes that give an orientation, and how many numbers each holds."""
 
-DEEPEST = 200
-"""So many elements may be in each other."""
+MOST_FILES = 200
+"""So many files may be included and attached, each counted as often as it is."""
+
+LONGEST_NAME = 1000
+"""Characters of a name that copies have made longer."""
 
 SHORTEST = 1e-14
 """A vector below this has no direction, and a mass below this is none: MuJoCo's ``mjEPS``."""
 
 LARGEST = 1e50
 """A larger number is that of no robot, and its square may be none of a computer."""
+
+
+class Spent:
+    """What has been read and copied for one robot, of all of its files."""
+
+    def __init__(self) -> None:
+        self.files = self.elements = 0
 
 
 class MjcfDocument:
@@ -64,19 +75,25 @@ class MjcfDocument:
     ------
     InvalidRobotFile
         If it is missing, is no MJCF, includes a file that is missing, twice included or not in its
-        folder, or its compiler has settings that are not read.
+        folder, its compiler has settings that are not read, or it stands for more files or elements
+        than are read.
     """
 
     def __init__(self, path: str | Path, above: tuple[MjcfDocument, ...] = ()) -> None:
         self.path, self.above = Path(path), above
         self.folder: Path = above[0].folder if above else self.path.resolve().parent
-        self.settings: dict[ElementTree.Element, dict[str, str]] = {}
+        # Of all files of a robot together.
+        self.settings: dict[ElementTree.Element, dict[str, str]] = (
+            above[0].settings if above else {}
+        )
+        self._spent: Spent = above[0]._spent if above else Spent()
+        self.spend(files=1)
         self.root = read_xml(self.path, "mujoco")
         self._include(self.root, {self.path.resolve()})
         self.unknown = tuple(unknown_words(self.root))
         self.compiler: dict[str, str] = {}
         for element in self.root.findall("compiler"):
-            self.compiler.update(element.attrib)
+            self._update(self.compiler, element)
         if self.compiler.get("coordinate", "local") != "local":
             raise self.wrong(
                 f"<compiler coordinate={self.compiler['coordinate']!r}> is not read, as MuJoCo "
@@ -105,6 +122,21 @@ class MjcfDocument:
         """Return the error that says what is wrong with this file."""
         return InvalidRobotFile(self.path, reason)
 
+    def spend(self, elements: int = 0, files: int = 0) -> None:
+        """Count what is read or copied, and refuse what no robot needs."""
+        self._spent.elements += elements
+        self._spent.files += files
+        if self._spent.elements > MOST_ELEMENTS:
+            raise self.wrong(f"stands for more than {MOST_ELEMENTS} elements")
+        if self._spent.files > MOST_FILES:
+            raise self.wrong(f"includes and attaches more than {MOST_FILES} files")
+
+    def _update(self, known: dict[str, str], element: ElementTree.Element) -> None:
+        """Add the attributes of an element to those that others have given."""
+        known.update(element.attrib)
+        if len(known) > MOST_ATTRIBUTES:
+            raise self.wrong(f"<{element.tag}> has more than {MOST_ATTRIBUTES} attributes")
+
     def _include(self, element: ElementTree.Element, included: set[Path], depth: int = 1) -> None:
         """Put the children of included files where the elements <include> stand."""
         if depth > DEEPEST:
@@ -118,7 +150,9 @@ class MjcfDocument:
                 if path in included:
                     raise self.wrong(f"{path.name} is included twice")
                 included.add(path)
+                self.spend(files=1)
                 other = read_xml(path, None)
+                self.spend(elements=sum(1 for _ in other.iter()))
                 self._include(other, included, depth + 1)
                 element[index : index + 1] = list(other)
             else:
@@ -152,6 +186,15 @@ class MjcfDocument:
         other._main, other._classes = "main", {"main": {}}
         return other
 
+    def named(self, element: ElementTree.Element, name: str) -> None:
+        """Give an element that was copied a name of its own."""
+        if len(name) > LONGEST_NAME:
+            raise self.wrong(
+                f"<{element.tag}>: a copy has a name of more than {LONGEST_NAME} characters, "
+                f"{name[:60]!r}...; give shorter names, prefix and sep"
+            )
+        element.set("name", name)
+
     def locate(self, mesh: ElementTree.Element) -> None:
         """Give a mesh its name, and the full path of its file."""
         file = mesh.get("file")
@@ -167,9 +210,10 @@ class MjcfDocument:
         self, element: ElementTree.Element, name: str, inherited: Mapping[str, dict[str, str]]
     ) -> None:
         known = self._classes[name] = copy.deepcopy(dict(inherited))
+        self.spend(elements=len(known))
         for child in element:
             if child.tag != "default":
-                known.setdefault(child.tag, {}).update(child.attrib)
+                self._update(known.setdefault(child.tag, {}), child)
         for child in element.findall("default"):
             nested = child.get("class")
             if not nested or nested in self._classes:

@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
+from fuzzy2.support.bounded_files import MOST_ELEMENTS
 from psp3.description.mjcf_document import MjcfDocument, text_of
 from psp3.description.xml import described
 
@@ -31,9 +32,6 @@ TURNS = ("range", "ref", "springref")
 
 LIMITS = {"range": "limited", "actuatorfrcrange": "actuatorfrclimited"}
 """Limits of a joint, with what switches them on."""
-
-MOST_ELEMENTS = 100_000
-"""So many elements may come of the copies in one file."""
 
 OWNERS = {
     "joint": "joint",
@@ -90,7 +88,7 @@ class _Expansion:
             if item.tag == "model"
             for other in [_Expansion(document.attached(item))]
         }
-        self.elements = 0
+        self._places: dict[tuple[str, str], tuple[ElementTree.Element, str | None]] | None = None
         # Sections that came along with attached elements.
         self.additions: list[tuple[str, ElementTree.Element]] = []
 
@@ -114,10 +112,12 @@ class _Expansion:
         """Return the elements of all other sections, with what they inherit."""
         written = []
         for section in self.document.root:
+            self.document.spend(elements=1)
             if section.tag in ("option", "size", "statistic"):
                 # Of these the section itself is the element.
                 written.append((section.tag, section))
             elif section.tag not in ("default", "compiler", "worldbody"):
+                self.document.spend(elements=len(section))
                 written += [
                     (section.tag, self._item(section.tag, item))
                     for item in section
@@ -147,9 +147,7 @@ class _Expansion:
     ) -> None:
         """Write elements into a body, which stand in a frame of it."""
         for item in items:
-            self.elements += 1
-            if self.elements > MOST_ELEMENTS:
-                raise self.document.wrong(f"stands for more than {MOST_ELEMENTS} elements")
+            self.document.spend(elements=1)
             inner_class = item.get("childclass", child_class)
             if item.tag == "frame":
                 self.fill(parent, item, inner_class, frame * self.document.placement(item))
@@ -224,13 +222,15 @@ class _Expansion:
         turn = pin.SE3(document.rotation_from_euler(angles), np.zeros(3))
         # Each copy stands where the one before it puts the next: its offset turns with it.
         place = pin.SE3.Identity()
+        # Also of nothing: a thousand times a thousand copies of nothing take time, too.
+        document.spend(elements=int(count))
         digits = len(str(int(count)))
         for number in range(int(count)):
             place.rotation = document.rotation_from_euler(number * angles)
             copied = ElementTree.Element("body")
             self.fill(copied, item, child_class, frame * place)
             ending = f"{item.get('sep', '')}{number:0{digits}d}"
-            _rename(copied, "", ending, "")
+            self._rename(copied, "", ending, "")
             parent.extend(list(copied))
             place = place * pin.SE3(np.eye(3), offset) * turn
 
@@ -248,7 +248,7 @@ class _Expansion:
         kind = "frame" if item.get("body") is None else "body"
         name, copied = item.get(kind), ElementTree.Element("body")
         if name is not None:
-            found = _named(other.document.root, kind, name, None)
+            found = other.place_of(kind, name)
             if found is None:
                 raise document.wrong(f"<attach>: there is no {kind} {name!r} to attach")
             if model is None and item in found[0].iter():
@@ -263,11 +263,8 @@ class _Expansion:
             ("joint" if one.tag == "freejoint" else one.tag, one.get("name"))
             for one in copied.iter()
         }
-        _rename(copied, prefix, "", "" if other is self else prefix)
+        self._rename(copied, prefix, "", "" if other is self else prefix)
         parent.extend(list(copied))
-        if other is not self:
-            document.settings.update(other.document.settings)
-            self.elements += other.elements
         self._bring_along(other, names, prefix)
 
     def _bring_along(
@@ -296,35 +293,41 @@ class _Expansion:
                         names.add(("tendon", item.get("name")))
 
     def _add(self, tag: str, item: ElementTree.Element, prefix: str, assets: str) -> None:
+        self.document.spend(elements=sum(1 for _ in item.iter()))
         copied = ElementTree.Element("section")
         copied.append(copy.deepcopy(item))
-        _rename(copied, prefix, "", assets)
+        self._rename(copied, prefix, "", assets)
         for one in copied.iter():
             for key, value in one.attrib.items():
                 if key in OWNERS and (OWNERS[key], value) != ("body", "world"):
                     one.set(key, prefix + value)
         self.additions.append((tag, copied[0]))
 
+    def _rename(self, holder: ElementTree.Element, prefix: str, ending: str, assets: str) -> None:
+        """Rename all elements in another one, and the meshes and materials that they refer to."""
+        for one in holder.iter():
+            if one.get("name"):
+                self.document.named(one, prefix + one.attrib["name"] + ending)
+            for key in ("mesh", "material"):
+                if assets and one.get(key):
+                    one.set(key, assets + one.attrib[key])
 
-def _rename(holder: ElementTree.Element, prefix: str, ending: str, assets: str) -> None:
-    """Rename all elements in another one, and the meshes and materials that they refer to."""
-    for one in holder.iter():
-        if one.get("name"):
-            one.set("name", prefix + one.attrib["name"] + ending)
-        for key in ("mesh", "material"):
-            if assets and one.get(key):
-                one.set(key, assets + one.attrib[key])
+    def place_of(self, tag: str, name: str) -> tuple[ElementTree.Element, str | None] | None:
+        """Return the body or frame of a name, and the class of the elements around it."""
+        if self._places is None:
+            self._places = {}
+            _list_places(self.document.root, None, self._places)
+        return self._places.get((tag, name))
 
 
-def _named(
-    element: ElementTree.Element, tag: str, name: str, child_class: str | None
-) -> tuple[ElementTree.Element, str | None] | None:
-    """Return the body or frame of a name, and the class of the elements around it."""
+def _list_places(
+    element: ElementTree.Element,
+    child_class: str | None,
+    found: dict[tuple[str, str], tuple[ElementTree.Element, str | None]],
+) -> None:
+    """List all bodies and frames, of those of one name the first."""
     for child in element:
-        if child.tag == tag and child.get("name") == name:
-            return child, child_class
+        if child.tag in ("body", "frame"):
+            found.setdefault((child.tag, child.get("name", "")), (child, child_class))
         if child.tag in ("worldbody", "body", "frame", "replicate"):
-            found = _named(child, tag, name, child.get("childclass", child_class))
-            if found is not None:
-                return found
-    return None
+            _list_places(child, child.get("childclass", child_class), found)

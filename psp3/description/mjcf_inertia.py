@@ -131,9 +131,10 @@ class MjcfInertias:
     ) -> pin.Inertia:
         document = self.document
         kind = geom.get("type", "sphere")
-        low, high = (
-            float(end) for end in document.setting(body, "inertiagrouprange", "0 5").split()
+        groups = ElementTree.Element(
+            "compiler", inertiagrouprange=document.setting(body, "inertiagrouprange", "0 5")
         )
+        low, high = document.numbers(groups, "inertiagrouprange", 2)  # type: ignore[misc]
         if kind in ("plane", "hfield") or not low <= document.number(geom, "group", 0.0) <= high:
             return pin.Inertia.Zero()
         mass = document.number(geom, "mass", -1.0) if geom.get("mass") is not None else None

@@ -22,6 +22,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array
+from psp3.description.meshes import not_opened
 from psp3.description.mjcf_document import SHORTEST, MjcfDocument, set_place, text_of
 from psp3.description.mjcf_inertia import SIZES, MjcfInertias, placed
 from psp3.description.xml import described
@@ -127,7 +128,7 @@ class _Writer:
     def __init__(self, document: MjcfDocument) -> None:
         self.document = document
         self.inertias = MjcfInertias(document)
-        self.bodies: list[str] = []
+        self.bodies: dict[str, None] = {}
         self.joints: dict[str, MjcfJoint] = {}
         self.sites: dict[str, tuple[str, pin.SE3]] = {}
         self.assets: dict[str, ElementTree.Element] = {}
@@ -157,7 +158,7 @@ class _Writer:
         body = _write_body(ElementTree.SubElement(root, "worldbody"), "world", pin.SE3.Identity())
         # What stands on the world needs no inertia.
         _write_inertia(body, pin.Inertia.Zero())
-        self.bodies.append("world")
+        self.bodies["world"] = None
         self._fill(body, "world", items, False)
         asset = ElementTree.Element("asset")
         for name, (file, scale) in self.meshes.items():
@@ -205,7 +206,7 @@ class _Writer:
         self._not_reserved(element, name)
         if name in self.bodies:
             raise self.document.wrong(f"there are two bodies {name!r}")
-        self.bodies.append(name)
+        self.bodies[name] = None
         if self.document.is_true(element, "mocap", False):
             self.from_outside.append(name)
         placement, body = self.document.placement(element), parent
@@ -371,8 +372,9 @@ class _Writer:
         if path is None:
             self.unreadable[name] = "has no file"
             return False
-        if not Path(path).is_file():
-            self.unreadable[path] = "no such file"
+        reason = "no such file" if not Path(path).is_file() else not_opened(path)
+        if reason:
+            self.unreadable[path] = reason
             return False
         scale = self.document.vector(element, "scale", (1.0, 1.0, 1.0))
         self.meshes[name] = path, text_of(scale)

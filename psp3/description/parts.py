@@ -6,6 +6,22 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from psp3.checks import Array
+from psp3.errors import InvalidRobotFile
+
+MOST_SPEEDS = 150
+"""Joints, and speeds of all of them, of a robot that is read from a file: times of its first pose
+and of its memory grow with the third power and more.
+"""
+
+
+def check_number(path: str | Path, count: int, what: str) -> None:
+    """Raise :class:`InvalidRobotFile` if there are more joints or speeds than are read."""
+    if count > MOST_SPEEDS:
+        raise InvalidRobotFile(
+            path,
+            f"has {count} {what}, and at most {MOST_SPEEDS} are read: make joints that need not "
+            "move fixed, or read the mechanisms of a scene one at a time",
+        )
 
 
 class RobotParts(NamedTuple):

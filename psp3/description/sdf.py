@@ -13,7 +13,7 @@ import pinocchio as pin
 
 from psp3.checks import Array
 from psp3.description.loop_file import check_actuated
-from psp3.description.parts import RobotParts
+from psp3.description.parts import RobotParts, check_number
 from psp3.description.sdf_document import SdfDocument
 from psp3.description.sdf_frames import Frame, Reader, Scope
 from psp3.description.sdf_joints import Joint, read_joint
@@ -70,6 +70,7 @@ def read_sdf(
     if not reader.found.links:
         raise document.wrong("has no <link> in a <model>")
     joints = [read_joint(reader, frame) for frame in reader.found.joints]
+    check_number(path, sum(joint.kind != "fixed" for joint in joints), "joints")
     refuse_extensions(reader)
     if actuated is None:
         known = [name for joint in joints for name in _driven(joint)]
@@ -81,6 +82,7 @@ def read_sdf(
     pairs = [*_gears(reader, joints), *_mimics(joints)]
     kept = {*names, *(name for _, follows, leads, _ in pairs for name in (follows, leads))}
     tree = Tree(reader, joints, kept)
+    check_number(path, tree.model.nv, "speeds")
     for name in names:
         if name in tree.still:
             raise document.wrong(

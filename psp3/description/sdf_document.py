@@ -16,8 +16,9 @@ from xml.parsers import expat
 import numpy as np
 import pinocchio as pin
 
+from fuzzy2.support.bounded_files import content_of
 from psp3.checks import Array
-from psp3.description.xml import BLANKS, NUMBER, described
+from psp3.description.xml import BLANKS, NUMBER, BoundedBuilder, Refused, described
 from psp3.errors import InvalidRobotFile
 
 OLDEST = 4
@@ -26,15 +27,15 @@ OLDEST = 4
 INFINITE = re.compile(r"[+-]?inf(?:inity)?", re.IGNORECASE)
 """What else a limit may be."""
 
-COMMENT = re.compile(rb"<!\[CDATA\[.*?\]\]>|<!--.*?-->", re.DOTALL)
-"""Comments, and what looks like one within literal text.
+PASSED_OVER = {b"<!--": b"-->", b"<![CDATA[": b"]]>"}
+"""Begin and end of comments, and of literal text, in which what looks like one is none.
 
 The parser of SDFormat's library ends a comment at the first ``-->`` and takes ``--`` within it, as
 drawings in comments have it; strict XML does not.
 """
 
-DEEPEST = 200
-"""Elements nested deeper than this are refused."""
+MOST_FILES = 200
+"""So many files may be included, each counted as often as it is."""
 
 WRITE_OUT = "let SDFormat's own tool write it out (gz sdf --print FILE) and read that"
 """What to do about elements that stand for others."""
@@ -50,6 +51,8 @@ class SdfDocument:
     roots : sequence of path
         Folders from which it may include other files; those of ``model://`` are looked for in
         them.
+    included_by : SdfDocument, optional
+        The file that includes it.
 
     Attributes
     ----------
@@ -61,11 +64,19 @@ class SdfDocument:
     Raises
     ------
     InvalidRobotFile
-        If it is missing, is no SDF, or is older than version 1.4.
+        If it is missing, is no SDF, or is older than version 1.4, or too many are included.
     """
 
-    def __init__(self, path: str | Path, roots: Sequence[Path]) -> None:
+    def __init__(
+        self, path: str | Path, roots: Sequence[Path], included_by: SdfDocument | None = None
+    ) -> None:
         self.path, self.roots = Path(path), tuple(roots)
+        # Of all files of a robot together: a file that is included ten times by one that is
+        # included ten times is read a hundred times.
+        self._read: list[Path] = [] if included_by is None else included_by._read
+        self._read.append(self.path)
+        if len(self._read) > MOST_FILES:
+            raise self.wrong(f"is one of more than {MOST_FILES} files that are included")
         self.root = _parsed(self.path)
         if self.root.tag == "robot":
             raise self.wrong("is a URDF: read it with from_urdf")
@@ -130,7 +141,7 @@ class SdfDocument:
                 float(word)
                 if NUMBER.fullmatch(word) or (infinite and INFINITE.fullmatch(word))
                 else math.nan
-                for word in words
+                for word in words[: max(counts) + 1]
             ]
         )
         wrong = np.isnan(values).any() or (not infinite and np.isinf(values).any())
@@ -210,7 +221,7 @@ class SdfDocument:
         path = self._file(uri)
         if path.is_dir():
             path = self._file_of_model(path)
-        document = SdfDocument(path, self.roots)
+        document = SdfDocument(path, self.roots, self)
         models = document.root.findall("model")
         if len(models) != 1:
             raise self.wrong(
@@ -270,43 +281,35 @@ def _parsed(path: Path) -> ElementTree.Element:
     """
     if not path.is_file():
         raise InvalidRobotFile(path, "no such file")
-    parser, builder = expat.ParserCreate(), ElementTree.TreeBuilder()
-    depth = 0
-
-    def start(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal depth
-        depth += 1
-        if depth > DEEPEST:
-            raise InvalidRobotFile(path, f"<{tag[:60]}> is nested deeper than {DEEPEST} elements")
-        builder.start(tag, attributes)
-
-    def end(tag: str) -> None:
-        nonlocal depth
-        depth -= 1
-        builder.end(tag)
-
-    def declared(*_: object) -> None:
-        raise InvalidRobotFile(
-            path,
-            "has a <!DOCTYPE>, which robot files do not need and parsers read each in its own way: "
-            "take it out, and write out what its entities stand for",
-        )
-
-    parser.StartElementHandler, parser.EndElementHandler = start, end
+    parser, builder = expat.ParserCreate(), BoundedBuilder()
+    parser.StartElementHandler, parser.EndElementHandler = builder.start, builder.end
     parser.CharacterDataHandler = builder.data
-    parser.StartDoctypeDeclHandler = declared
+    parser.StartDoctypeDeclHandler = builder.doctype
     parser.buffer_text = True
     try:
-        data = COMMENT.sub(_without_comment, path.read_bytes().lstrip(BLANKS.encode()))
+        data = _without_comments(content_of(path).lstrip(BLANKS.encode()))
         parser.Parse(data, True)
         return builder.close()
+    except Refused as error:
+        raise InvalidRobotFile(path, str(error)) from None
     except (OSError, expat.ExpatError, LookupError, ValueError, AssertionError) as error:
         raise InvalidRobotFile(
             path, f"cannot be read as XML ({getattr(error, 'strerror', None) or error})"
         ) from error
 
 
-def _without_comment(found: re.Match[bytes]) -> bytes:
-    """Return literal text as it is, and of a comment its line breaks."""
-    text = found[0]
-    return text if text.startswith(b"<![") else b"\n" * text.count(b"\n")
+def _without_comments(content: bytes) -> bytes:
+    """Return a file without its comments, but for their line breaks."""
+    parts, at = [], 0
+    for found in re.finditer(b"<!--|<!\\[CDATA\\[", content):
+        if found.start() < at:
+            continue
+        end = content.find(PASSED_OVER[found[0]], found.end())
+        if end < 0:
+            break
+        end += len(PASSED_OVER[found[0]])
+        passed = content[found.start() : end]
+        literal = found[0] != b"<!--"
+        parts += [content[at : found.start()], passed if literal else b"\n" * passed.count(b"\n")]
+        at = end
+    return b"".join([*parts, content[at:]])

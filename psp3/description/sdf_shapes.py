@@ -11,6 +11,7 @@ import pinocchio as pin
 
 from fuzzy2.support.logs import logger_named
 from psp3.checks import Array
+from psp3.description.meshes import not_opened
 from psp3.description.sdf_frames import Frame
 from psp3.description.sdf_tree import Tree
 from psp3.description.xml import described
@@ -133,6 +134,9 @@ def _mesh(
     path = next((one for one in candidates if one.is_file()), None)
     if path is None:
         unreadable[uri] = "no such file"
+        return None
+    if reason := not_opened(str(path)):
+        unreadable[uri] = reason
         return None
     try:
         return coal.MeshLoader().load(str(path), scale), str(path), scale

@@ -17,7 +17,8 @@ from fuzzy2.support.logs import logger_named
 from psp3.description.closing_frames import closing_frames
 from psp3.description.joint_replacement import replace_joints
 from psp3.description.loop_file import Loops, constraint_models, hinges, read_loops
-from psp3.description.parts import RobotParts
+from psp3.description.meshes import not_opened
+from psp3.description.parts import RobotParts, check_number
 from psp3.description.srdf import reference_poses
 from psp3.description.urdf_plain import make_meshes_absolute, plain_urdf
 from psp3.errors import InvalidRobotFile, InvalidValue
@@ -66,6 +67,9 @@ def read_robot(
     """
     path = Path(urdf)
     root = plain_urdf(path)
+    check_number(
+        path, len(root.findall("joint")) - len(root.findall("joint[@type='fixed']")), "joints"
+    )
     model, visual_model = _tree(path, root)
     followers = {
         joint.attrib["name"]: mimic
@@ -98,6 +102,7 @@ def read_robot(
             raise InvalidRobotFile(srdf, f"has no pose 'home'; it has {', '.join(poses) or 'none'}")
         home = poses["home"]
     equations = (*hinges(model, content, where), *_mimics(path, followers, model))
+    check_number(path, model.nv, "speeds")
     return RobotParts(model, found, content.actuated, home, visual_model, equations)
 
 
@@ -214,6 +219,7 @@ def _shapes_of_urdf(path: Path, root: ElementTree.Element, model: pin.Model) -> 
         )
 
     make_meshes_absolute(path, root)
+    _drop_unopened_meshes(path, root)
     try:
         return build(root)
     except ValueError:
@@ -222,6 +228,28 @@ def _shapes_of_urdf(path: Path, root: ElementTree.Element, model: pin.Model) -> 
         return build(root)
     except (ValueError, RuntimeError) as error:
         raise InvalidRobotFile(path, f"Pinocchio cannot read its shapes: {error}") from error
+
+
+def _drop_unopened_meshes(path: Path, root: ElementTree.Element) -> None:
+    """Take those visuals out of a URDF whose meshes are not to be opened."""
+    folders = path.resolve().parents
+    reasons: dict[str, str] = {}
+    for link in root.findall("link"):
+        for visual in link.findall("visual"):
+            mesh = visual.find("geometry/mesh")
+            if mesh is None:
+                continue
+            name = mesh.attrib["filename"]
+            if name not in reasons:
+                reasons[name] = not_opened(name, folders)
+            if reasons[name]:
+                link.remove(visual)
+    _tell_not_drawn(path, {name: reason for name, reason in reasons.items() if reason})
+
+
+def _tell_not_drawn(path: Path, reasons: Mapping[str, str]) -> None:
+    for name, reason in reasons.items():
+        logger.warning("%s: mesh %s cannot be read and is not drawn (%s)", path, name, reason)
 
 
 def _drop_unreadable_meshes(
@@ -251,5 +279,4 @@ def _drop_unreadable_meshes(
                 trial.remove(visual)
             if name in unreadable:
                 link.remove(visual)
-    for name, reason in unreadable.items():
-        logger.warning("%s: mesh %s cannot be read and is not drawn (%s)", path, name, reason)
+    _tell_not_drawn(path, unreadable)

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fuzzy2.support.bounded_files import DEEPEST, MOST_ELEMENTS, content_of
 from psp3.checks import Array
 from psp3.errors import InvalidRobotFile
 
@@ -31,19 +32,60 @@ not.
 """
 
 
-class _HasDoctype(Exception):
-    """A file has a document type declaration."""
+MOST_ATTRIBUTES = 100
+"""An element of a robot file has no more than a third of that."""
+
+PIECE = 2**20
+"""Bytes that are given to the parser at a time."""
+
+LONGEST_WORD = 1000
+"""Characters of a tag or of the name of an attribute."""
 
 
-class _Builder(ElementTree.TreeBuilder):
-    """Builds a tree, but of no file with a document type declaration.
+class Refused(Exception):
+    """What a builder does not take; the message says why."""
 
-    There a file can declare entities, which one parser replaces and another drops.
+
+class BoundedBuilder(ElementTree.TreeBuilder):
+    """Builds the tree of a file, as long as it is one that a robot can have.
+
+    A document type is refused before any entity is read: what it declares, one parser replaces and
+    another drops.
     """
 
-    def doctype(self, name: str, public: str | None, system: str | None) -> None:
-        """Refuse it, before any entity is read."""
-        raise _HasDoctype
+    def __init__(self) -> None:
+        super().__init__()
+        self._depth = self._found = 0
+
+    def start(self, tag: str, attributes: dict[str, str]) -> ElementTree.Element:  # type: ignore[override]
+        """Begin an element, or refuse it."""
+        self._depth += 1
+        self._found += 1
+        if self._depth > DEEPEST:
+            raise Refused(f"<{tag[:60]}> is nested deeper than {DEEPEST} elements")
+        if self._found > MOST_ELEMENTS:
+            raise Refused(f"has more than {MOST_ELEMENTS} elements")
+        if len(attributes) > MOST_ATTRIBUTES:
+            raise Refused(f"<{tag[:60]}> has more than {MOST_ATTRIBUTES} attributes")
+        for word in (tag, *attributes):
+            if len(word) > LONGEST_WORD:
+                raise Refused(
+                    f"<{tag[:60]}> has a tag or an attribute whose name, {word[:60]!r}..., is "
+                    f"longer than {LONGEST_WORD} characters"
+                )
+        return super().start(tag, attributes)
+
+    def end(self, tag: str) -> ElementTree.Element:
+        """End an element."""
+        self._depth -= 1
+        return super().end(tag)
+
+    def doctype(self, *_: str | None) -> None:
+        """Refuse it."""
+        raise Refused(
+            "has a <!DOCTYPE>, whose entities robot parsers replace or drop each in its own way: "
+            "take it out, and write out what its entities stand for"
+        )
 
 
 def read_xml(path: Path, tag: str | None) -> ElementTree.Element:
@@ -54,20 +96,20 @@ def read_xml(path: Path, tag: str | None) -> ElementTree.Element:
     Raises
     ------
     InvalidRobotFile
-        If the file is missing, is not XML, has a document type or entities of its own, or its
-        outermost element is another one.
+        If the file is missing, is not XML, is larger, deeper or of more elements than is read, has
+        a document type or entities of its own, or its outermost element is another one.
     """
     if not path.is_file():
         raise InvalidRobotFile(path, "no such file")
     try:
-        text = path.read_bytes().lstrip(BLANKS.encode())
-        root = ElementTree.fromstring(text, ElementTree.XMLParser(target=_Builder()))
-    except _HasDoctype:
-        raise InvalidRobotFile(
-            path,
-            "has a <!DOCTYPE>, whose entities robot parsers replace or drop each in its own way: "
-            "take it out, and write out what its entities stand for",
-        ) from None
+        text = content_of(path).lstrip(BLANKS.encode())
+        parser = ElementTree.XMLParser(target=BoundedBuilder())
+        # Piece by piece, because expat goes on to the end of one after its elements are refused.
+        for start in range(0, len(text), PIECE):
+            parser.feed(text[start : start + PIECE])
+        root = parser.close()
+    except Refused as error:
+        raise InvalidRobotFile(path, str(error)) from None
     except (OSError, ElementTree.ParseError, LookupError, ValueError) as error:
         raise InvalidRobotFile(
             path, f"cannot be read as XML ({getattr(error, 'strerror', None) or error})"
@@ -121,7 +163,12 @@ def numbers(path: Path, element: ElementTree.Element, attribute: str, *counts: i
     if text is None:
         return None
     words = re.split(f"[{BLANKS}]+", text.strip(BLANKS))
-    values = np.array([float(word) if NUMBER.fullmatch(word) else math.nan for word in words])
+    # Too many are not read first: an attribute may hold a million words.
+    values = np.array(
+        [float(word) if NUMBER.fullmatch(word) else math.nan for word in words]
+        if not counts or len(words) <= max(counts)
+        else [math.nan]
+    )
     if not np.isfinite(values).all() or not values.size or (counts and values.size not in counts):
         wanted = f"{' or '.join(map(str, counts))} " if counts else ""
         plural = "s" if counts != (1,) else ""

@@ -18,6 +18,8 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzy2.support.bounded_files import LARGEST_NUMBERS
+from fuzzy2.support.json_documents import json_document
 from fuzzy2.support.text_files import read_text, write_text
 from psp3.checks import Array
 from psp3.errors import InvalidArray, InvalidMapFile, InvalidValue, UnknownName
@@ -179,25 +181,28 @@ class KinematicMap:
         return Path(path)
 
     @classmethod
-    def load(cls, path: str | Path) -> KinematicMap:
+    def load(cls, path: str | Path, largest: int = LARGEST_NUMBERS) -> KinematicMap:
         """Read a map that :meth:`save` wrote.
+
+        Parameters
+        ----------
+        path : path
+            The file.
+        largest : int
+            Bytes that it may have.
 
         Raises
         ------
         InvalidMapFile
-            If the file is missing, or is not a whole map of this version.
+            If the file is missing, larger than asked for, or not a whole map of this version.
         """
         try:
-            content = json.loads(read_text(path), parse_constant=_refuse_constant)
+            content = json_document(read_text(path, largest))
         except OSError as error:
             raise InvalidMapFile(path, f"cannot be read ({error.strerror or error})") from error
-        except (ValueError, RecursionError) as error:
+        except ValueError as error:
             raise InvalidMapFile(path, f"is not JSON ({error})") from error
         return cls(**_Reader(path).fields(content))
-
-
-def _refuse_constant(name: str) -> NoReturn:
-    raise ValueError(f"{name} is not a number of JSON")
 
 
 def _written(array: Array) -> list[Any]:

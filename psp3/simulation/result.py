@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
-import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,17 +11,11 @@ from numpy.typing import NDArray
 from fuzzy2.support.text_files import written_whole
 from psp3.checks import Array
 from psp3.errors import InvalidResultFile
+from psp3.simulation.array_files import LARGEST, arrays_of
 from psp3.trajectories.motion import Motion
 
 FORMAT = "psp3-result-2"
 """Written into every result file; a file with another mark is refused."""
-
-_UNREADABLE = (
-    *(OSError, ValueError, EOFError, AttributeError, zipfile.BadZipFile, zlib.error),
-    # of zipfile: a way of packing that it does not know, and encrypted members
-    *(NotImplementedError, RuntimeError),
-)
-"""What reading a damaged archive raises."""
 
 JOINTS = -1
 """Stands for the number of actuated joints in a shape."""
@@ -117,13 +109,15 @@ class Result:
         return path
 
 
-def load_result(path: str | Path) -> Result:
+def load_result(path: str | Path, largest: int = LARGEST) -> Result:
     """Read a result that :meth:`Result.save` wrote.
 
     Parameters
     ----------
     path : path
         The ``.npz`` file.
+    largest : int
+        Bytes that its arrays may take; a compressed file may hold a thousand times its own size.
 
     Returns
     -------
@@ -132,15 +126,12 @@ def load_result(path: str | Path) -> Result:
     Raises
     ------
     InvalidResultFile
-        If the file is missing, truncated, of another kind or version, or its arrays do not fit
-        together.
+        If the file is missing, truncated, of another kind or version, larger than asked for, or its
+        arrays do not fit together.
     """
     try:
-        # Opened here, because np.load leaves a file that it cannot read open.
-        with Path(path).open("rb") as file:
-            archive = np.load(file, allow_pickle=False)
-            content = {name: archive[name] for name in archive.files}
-    except _UNREADABLE as error:
+        content = dict(arrays_of(path, largest))
+    except (OSError, ValueError) as error:
         raise InvalidResultFile(
             path, f"is not a whole result file ({getattr(error, 'strerror', None) or error})"
         ) from error

@@ -3,18 +3,28 @@
 from __future__ import annotations
 
 import csv
+import io
+import itertools
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fuzzy2.support.bounded_files import LARGEST_NUMBERS, content_of, shortened
 from psp3.checks import Array, finite_rows
+from psp3.description.xml import LONGEST_SHOWN, NUMBER
 from psp3.errors import InvalidArray, InvalidTrajectoryFile, InvalidValue
 from psp3.robots.robot import Robot
 from psp3.trajectories.motion import finite_times
 from psp3.trajectories.smoothing import LEAST_MEASUREMENTS, smoothed_motion
 from psp3.trajectories.trajectory import Trajectory
+
+LEAST_GAP = 1e-9
+"""Times nearer to each other than this share of the whole are one time, written twice."""
+
+MOST_ROWS = 1_000_000
+"""Rows of a file."""
 
 
 class Waypoints(Trajectory):
@@ -39,7 +49,8 @@ class Waypoints(Trajectory):
     InvalidArray
         If an array is not finite or has another shape.
     InvalidValue
-        If the times do not increase.
+        If the times do not increase, or two are so near to each other, or numbers so large, that
+        the curve is none.
     """
 
     def __init__(
@@ -49,12 +60,10 @@ class Waypoints(Trajectory):
         robot: Robot | None = None,
         space: str | None = None,
     ) -> None:
-        from scipy.interpolate import CubicSpline
-
         super().__init__(robot, space)
         knots, values = _knots(times, points, self.width, minimum=2)
         self.duration: float = float(knots[-1])
-        self._spline = CubicSpline(knots, values, bc_type="clamped")
+        self._spline = _spline(knots, values, "clamped")
 
     def _path(self, t: Array) -> tuple[Array, Array, Array]:
         return _spline_motion(self._spline, t)
@@ -89,8 +98,6 @@ class FromCSV(Trajectory):
     """
 
     def __init__(self, path: str | Path, robot: Robot | None = None) -> None:
-        from scipy.interpolate import CubicSpline
-
         super().__init__(robot)
         columns = {"tip": ("t", "x", "y", "z")} if self.space == "tip" else {}
         self.space, table = _read_table(
@@ -98,10 +105,10 @@ class FromCSV(Trajectory):
         )
         try:
             knots, values = _knots(table[:, 0], table[:, 1:], self.width, minimum=4)
+            self._spline = _spline(knots, values, "not-a-knot")
         except (InvalidArray, InvalidValue) as error:
             raise InvalidTrajectoryFile(path, str(error)) from error
         self.duration: float = float(knots[-1])
-        self._spline = CubicSpline(knots, values)
 
     def _path(self, t: Array) -> tuple[Array, Array, Array]:
         return _spline_motion(self._spline, t)
@@ -154,10 +161,11 @@ def measured_motion(path: str | Path, robot: Robot) -> MeasuredMotion:
     _, table = _read_table(Path(path), {"names": own, "numbers": numbered})
     try:
         t, rows = _knots(table[:, 0], table[:, 1:], 2 * len(names), minimum=LEAST_MEASUREMENTS)
+        positions, forces = np.split(rows, 2, axis=1)
+        motion = smoothed_motion(t, positions)(t)
     except (InvalidArray, InvalidValue) as error:
         raise InvalidTrajectoryFile(path, str(error)) from error
-    positions, forces = np.split(rows, 2, axis=1)
-    return MeasuredMotion(t, *smoothed_motion(t, positions)(t), forces)
+    return MeasuredMotion(t, *motion, forces)
 
 
 def _knots(times: ArrayLike, points: ArrayLike, width: int, minimum: int) -> tuple[Array, Array]:
@@ -174,7 +182,33 @@ def _knots(times: ArrayLike, points: ArrayLike, width: int, minimum: int) -> tup
             float(knots[late[0] + 1]),
             f"later than the one before it, {knots[late[0]]:.6g} s",
         )
+    gaps = np.diff(knots)
+    if not gaps.min() >= LEAST_GAP * gaps.sum():
+        raise InvalidValue(
+            "times",
+            float(knots[1 + int(gaps.argmin())]),
+            f"at least {LEAST_GAP:g} of the whole time after the one before it",
+        )
     return knots, values
+
+
+def _spline(knots: Array, values: Array, ends: str) -> Any:
+    """Return the cubic spline through points, whose numbers must all be finite."""
+    from scipy.interpolate import CubicSpline
+
+    try:
+        with np.errstate(all="ignore"):
+            spline = CubicSpline(knots, values, bc_type=ends)
+    except (ValueError, np.linalg.LinAlgError):
+        spline = None
+    if spline is None or not np.isfinite(spline.c).all():
+        raise InvalidValue(
+            "points",
+            float(np.abs(values).max()),
+            f"such that a smooth curve goes through them in {knots[-1] - knots[0]:.6g} s: its "
+            "speeds or accelerations are no finite numbers",
+        )
+    return spline
 
 
 def _spline_motion(spline: object, t: Array) -> tuple[Array, Array, Array]:
@@ -189,37 +223,65 @@ def _spline_motion(spline: object, t: Array) -> tuple[Array, Array, Array]:
 def _read_table(path: Path, known: dict[str, tuple[str, ...]]) -> tuple[str, Array]:
     """Which of the known sets of columns a trajectory file has, and its rows."""
     try:
-        lines = list(csv.reader(path.read_text(encoding="utf-8").splitlines()))
+        text = content_of(path, LARGEST_NUMBERS).decode("utf-8-sig")
+        lines = csv.reader(io.StringIO(text, newline=""), strict=True)
+        header = [name.strip() for name in next(lines, [])]
+        space, columns = _known_columns(path, header, known)
+        places = [header.index(name) for name in columns]
+        rows = [
+            _row(path, lines.line_num, cells, header, places)
+            for cells in itertools.islice(lines, MOST_ROWS)
+            if any(cell.strip() for cell in cells)
+        ]
+        if next(lines, None) is not None:
+            raise InvalidTrajectoryFile(path, f"has more than {MOST_ROWS} rows: thin it out")
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise InvalidTrajectoryFile(
             path, f"cannot be read ({getattr(error, 'strerror', None) or error})"
         ) from error
-    header = [name.strip() for name in lines[0]] if lines else []
+    return space, np.array(rows).reshape(-1, len(columns))
+
+
+def _known_columns(
+    path: Path, header: list[str], known: dict[str, tuple[str, ...]]
+) -> tuple[str, tuple[str, ...]]:
+    """Return which of the known sets of columns a header has, each of them once."""
     matching = [space for space, columns in known.items() if set(columns) <= set(header)]
     if not matching:
         choices = " or ".join(map(",".join, known.values()))
         raise InvalidTrajectoryFile(
             path,
             f"the first line must name the columns {choices}; it has "
-            f"{', '.join(header) or 'nothing'}",
+            f"{shortened(', '.join(header), 500) or 'nothing'}",
         )
     columns = known[matching[0]]
-    places = [header.index(name) for name in columns]
-    rows = []
-    for number, cells in enumerate(lines[1:], start=2):
-        if not any(cell.strip() for cell in cells):
-            continue
-        try:
-            row = [float(cells[place]) for place in places]
-        except (IndexError, ValueError) as error:
-            raise InvalidTrajectoryFile(
-                path,
-                f"line {number}: expected numbers for {', '.join(columns)}, got "
-                f"{','.join(cells)!r}",
-            ) from error
-        if not np.isfinite(row).all():
-            raise InvalidTrajectoryFile(
-                path, f"line {number}: a number is not finite: {','.join(cells)!r}"
-            )
-        rows.append(row)
-    return matching[0], np.array(rows).reshape(-1, len(columns))
+    twice = [name for name in columns if header.count(name) > 1]
+    if twice:
+        raise InvalidTrajectoryFile(
+            path, f"the first line names {', '.join(twice)} twice: take one of the columns out"
+        )
+    return matching[0], columns
+
+
+def _row(
+    path: Path, line: int, cells: list[str], header: list[str], places: list[int]
+) -> list[float]:
+    """Return the numbers in some places of a row, which must have as many cells as the header."""
+    written = ",".join(cells)[:LONGEST_SHOWN]
+    if len(cells) != len(header):
+        raise InvalidTrajectoryFile(
+            path,
+            f"line {line}: expected {len(header)} cells, as many as in the first line, got "
+            f"{len(cells)}: {written!r}; numbers are written with a point, as 0.5",
+        )
+    words = [cells[place].strip() for place in places]
+    if not all(map(NUMBER.fullmatch, words)):
+        raise InvalidTrajectoryFile(
+            path,
+            f"line {line}: expected finite numbers for {', '.join(header[at] for at in places)}, "
+            f"got {written!r}",
+        )
+    row = [float(word) for word in words]
+    if not np.isfinite(row).all():
+        raise InvalidTrajectoryFile(path, f"line {line}: a number is not finite: {written!r}")
+    return row

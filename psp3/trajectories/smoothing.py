@@ -20,6 +20,7 @@ from collections.abc import Callable
 import numpy as np
 
 from psp3.checks import Array
+from psp3.errors import InvalidValue
 
 DEGREE = 5
 """Of the spline."""
@@ -40,6 +41,11 @@ def smoothed_motion(t: Array, positions: Array) -> Callable[[Array], tuple[Array
         Increasing times of the measurements, at least :data:`LEAST_MEASUREMENTS` [s].
     positions : (N, n) ndarray
         Measured positions [m or rad], whose errors are taken to be independent.
+
+    Raises
+    ------
+    InvalidValue
+        If no curve of finite speeds and accelerations goes near them.
     """
     from scipy.interpolate import make_lsq_spline
 
@@ -54,11 +60,27 @@ def smoothed_motion(t: Array, positions: Array) -> Callable[[Array], tuple[Array
             np.arange(1, pieces) * (count - 1) / pieces, np.arange(float(count)), knots_at
         )
         knots = np.concatenate([np.zeros(DEGREE + 1), inner, np.ones(DEGREE + 1)])
-        spline = make_lsq_spline(knots_at, positions, knots, DEGREE)
-        missed = ((positions - spline(knots_at)) ** 2).sum(axis=0)
+        try:
+            spline = make_lsq_spline(knots_at, positions, knots, DEGREE)
+        except (ValueError, np.linalg.LinAlgError):  # too few different times in a piece
+            continue
+        with np.errstate(over="ignore", invalid="ignore"):
+            missed = ((positions - spline(knots_at)) ** 2).sum(axis=0)
         score = missed / (count - pieces - DEGREE) ** 2
         for joint in np.flatnonzero(score < best):
             best[joint], chosen[joint] = score[joint], spline
+
+    with np.errstate(over="ignore", invalid="ignore"):
+        largest = [
+            np.abs(spline.c).max() / min(length**2, 1.0) for spline in chosen if spline is not None
+        ]
+    if len(largest) < n or not np.isfinite(largest).all():
+        raise InvalidValue(
+            "positions",
+            float(np.abs(positions).max()),
+            f"such that a smooth curve goes near them in {length:.6g} s: its speeds or "
+            "accelerations are no finite numbers",
+        )
 
     def motion(times: Array) -> tuple[Array, Array, Array]:
         at = (times - start) / length

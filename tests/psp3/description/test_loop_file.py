@@ -10,7 +10,7 @@ import pinocchio as pin
 import pytest
 
 import psp3
-from psp3.description.loop_file import Loops, constraint_models, read_loops
+from psp3.description.loop_file import LARGEST, Loops, constraint_models, read_loops
 from psp3.description.parts import ROBOT_FILES
 from psp3.errors import InvalidRobotFile
 
@@ -77,6 +77,34 @@ def test_files_that_would_fill_the_memory_or_the_stack_are_refused(tmp_path: Pat
 
 
 @pytest.mark.parametrize(
+    "value",
+    [
+        "2001-99-99",
+        "!!int ''",
+        "!!bool 'abc'",
+        "!!float x",
+        "!!binary '!'",
+        "!own {a: 1}",
+        "&r [*r]",
+    ],
+)
+def test_what_stands_under_keys_of_other_tools_is_never_made(tmp_path: Path, value: str) -> None:
+    """A date that is none would be an error of Python's, and a tag may ask for any object."""
+    assert read_loops(written(tmp_path, GOOD + f"other: {value}\n")).actuated == ("x", "y")
+
+
+def test_a_repeated_list_stays_one_list(tmp_path: Path) -> None:
+    """Programs that write the same list twice write an alias, as PyYAML does."""
+    text = "closed_loop: [&a [A, B], *a]\ntype: ['6d', '3d']\nname_mot: [x]\n"
+    assert read_loops(written(tmp_path, text)).frames == (("A", "B"), ("A", "B"))
+
+
+def test_larger_files_than_any_robot_needs_are_not_read(tmp_path: Path) -> None:
+    with pytest.raises(InvalidRobotFile, match=r"larger than 0\.25 MiB"):
+        read_loops(written(tmp_path, GOOD + "#" * LARGEST))
+
+
+@pytest.mark.parametrize(
     ("text", "reason"),
     [
         ("", "closed_loop, type and name_mot"),
@@ -104,7 +132,12 @@ def test_files_that_would_fill_the_memory_or_the_stack_are_refused(tmp_path: Pat
             "closed_loop: [[A, B]]\ntype: ['6d']\nname_mot: [1]\n",
             "'name_mot' must hold a list of names",
         ),
-        ("!!python/object/apply:os.getcwd []\n", "cannot be read as YAML"),
+        ("!!python/object/apply:os.getcwd []\n", "closed_loop, type and name_mot"),
+        (GOOD + "type: ['6d', '6d']\n", "the file names a key twice: type"),
+        (GOOD.replace("[x, y]", "!!python/tuple [x, y]"), "'name_mot' must hold a list of names"),
+        (GOOD.replace("[x, y]", "!own [x, y]"), "'name_mot' must hold a list of names"),
+        (GOOD.replace("[x, y]", "[x, 2001-12-14]"), "got ['x', 2001-12-14]"),
+        (GOOD.replace("[x, y]", "{x: y}"), "'name_mot' must hold a list of names"),
         ("closed_loop: [[A, A]]\ntype: ['6d']\nname_mot: [x]\n", "joins a frame with itself"),
         ("closed_loop: []\ntype: []\nname_mot: [x, y, x]\n", "name_mot names a joint twice: x"),
         (

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from psp3.description.meshes import Mesh, read_mesh
+from psp3.description.meshes import LARGEST_DRAWN, MOST_TRIANGLES, Mesh, not_opened, read_mesh
 from psp3.errors import InvalidFile
 from tests.helpers import Array
 
@@ -111,3 +111,33 @@ def test_what_is_wrong_is_said(tmp_path: Path, name: str) -> None:
         read_mesh(path)
     assert reason in caught.value.reason
     assert caught.value.path == path
+
+
+def test_polygons_of_too_many_corners_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.obj"
+    path.write_text("v 0 0 0\nf" + " 1" * (MOST_TRIANGLES + 1))
+    with pytest.raises(InvalidFile, match="more than 1000000 triangles"):
+        read_mesh(path)
+
+
+def test_what_is_no_mesh_by_its_name_or_kind_is_not_opened(tmp_path: Path) -> None:
+    (tmp_path / "there.STL").write_bytes(b"")
+    (tmp_path / "folder.obj").mkdir()
+    (tmp_path / "device.dae").symlink_to("/dev/zero")
+    assert "no mesh's" in not_opened("/etc/passwd")
+    assert "no mesh's" in not_opened("package://a/../../etc/passwd", [tmp_path])
+    assert not_opened(str(tmp_path / "folder.obj")) == "is no file"
+    assert not_opened(f"file://{tmp_path / 'device.dae'}") == "is no file"
+    assert not_opened(str(tmp_path / "there.STL")) == ""
+    assert not_opened("package://there.STL", [tmp_path / "folder.obj", tmp_path]) == ""
+    assert not_opened("package://device.dae", [tmp_path]) == "is no file"
+    assert not_opened("none.stl") == ""
+
+
+def test_a_mesh_that_is_too_large_is_not_opened(tmp_path: Path) -> None:
+    path = tmp_path / "large.stl"
+    with path.open("wb") as file:
+        file.truncate(LARGEST_DRAWN + 1)
+    assert "larger than 256 MiB" in not_opened(str(path))
+    with pytest.raises(InvalidFile, match="larger than 32 MiB"):
+        read_mesh(path)

@@ -5,6 +5,7 @@ Against MuJoCo: tests/cross/test_mjcf_files.py.
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import numpy as np
@@ -562,3 +563,87 @@ def test_joints_of_the_caller_are_replaced(tmp_path: Path) -> None:
     assert read_mjcf(path, None, {"pin": "FIXED"}).model.nq == 3
     with pytest.raises(InvalidRobotFile, match="the robot has no joint 'knob'"):
         read_mjcf(path, None, {"knob": "FIXED"})
+
+
+MANY = "<geom a{}='1'/>"
+
+ONE_JOINT = (
+    "<mujoco>{}<worldbody><body><joint name='j'/><geom type='box' size='1 1 1'/></body>{}"
+    "</worldbody><actuator><motor joint='j'/></actuator></mujoco>"
+)
+
+
+@pytest.mark.parametrize(
+    ("before", "inside", "words"),
+    [
+        ("", "<replicate count='90000'><replicate count='90000'/></replicate>", "100000 elements"),
+        (
+            "",
+            "<replicate count='400'><replicate count='400'><site/></replicate></replicate>",
+            "100000",
+        ),
+        ("", "<replicate count='3000'><geom size='1'/></replicate>", "has 3001 geoms to draw"),
+        (
+            "",
+            "<replicate count='200'><body><joint/><geom size='1'/></body></replicate>",
+            "201 joint",
+        ),
+        (
+            "",
+            "<body><joint type='ball'/><geom size='1'/></body>" * 60,
+            "has 181 speeds, and at most 150 are read",
+        ),
+        (
+            "",
+            f"<replicate count='9' sep='{'x' * 2000}'><site name='s'/></replicate>",
+            "has a name of",
+        ),
+        ("<compiler inertiagrouprange='a b'/>", "", "inertiagrouprange must be 2 finite numbers"),
+        ("<compiler inertiagrouprange='1'/>", "", "inertiagrouprange must be 2 finite numbers"),
+        (
+            f"<default>{''.join(map(MANY.format, range(90)))}</default>"
+            f"<default>{''.join(map(MANY.format, range(90, 180)))}</default>",
+            "",
+            "<geom> has more than 100 attributes",
+        ),
+    ],
+    ids=range(9),
+)
+def test_a_few_words_that_stand_for_far_too_much_are_refused_at_once(
+    tmp_path: Path, before: str, inside: str, words: str
+) -> None:
+    begun = time.process_time()
+    with pytest.raises(InvalidRobotFile, match=words):
+        read(tmp_path, ONE_JOINT.format(before, inside))
+    assert time.process_time() - begun < 5.0
+
+
+def test_files_that_attach_two_of_each_other_are_counted(tmp_path: Path) -> None:
+    """Thirty files, of which each attaches the next one twice, are a billion."""
+    for number in range(30):
+        models = "".join(f"<model name='{k}' file='{number + 1}.xml'/>" for k in "ab")
+        text = ONE_JOINT.format(f"<asset>{models}</asset>" if number < 29 else "", "")
+        (tmp_path / f"{number}.xml").write_text(text)
+    with pytest.raises(InvalidRobotFile, match="includes and attaches more than 200 files"):
+        read_mjcf(tmp_path / "0.xml")
+
+
+def test_a_model_may_be_attached_many_times(tmp_path: Path) -> None:
+    """What is counted is what is there in the end."""
+    finger = "<mujoco><worldbody><body name='f'>{}</body></worldbody></mujoco>"
+    (tmp_path / "finger.xml").write_text(finger.format("<site/>" * 50))
+    copies = "".join(f"<attach model='m' body='f' prefix='{k}-'/>" for k in range(300))
+    asset = "<asset><model name='m' file='finger.xml'/></asset>"
+    assert read(tmp_path, ONE_JOINT.format(asset, copies)).model.nv == 1
+
+
+@pytest.mark.parametrize("file", ["/dev/zero", "/etc/hostname", "folder.stl"])
+def test_of_files_that_a_robot_names_only_meshes_are_opened(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, file: str
+) -> None:
+    (tmp_path / "folder.stl").mkdir()
+    asset = f"<asset><mesh name='m' file='{file}'/></asset>"
+    drawn = "<geom type='mesh' mesh='m' mass='0'/>"
+    with caplog.at_level("WARNING", "psp3"):
+        assert read(tmp_path, ONE_JOINT.format(asset, drawn)).visual_model.ngeoms == 1
+    assert "cannot be read and is not drawn" in caplog.text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import pytest
@@ -123,3 +124,28 @@ def test_models_are_found_in_given_folders(tmp_path: Path) -> None:
         psp3.ClosedLoopRobot.from_sdf(path, ["j"])
     robot = psp3.ClosedLoopRobot.from_sdf(path, ["j"], model_paths=[tmp_path / "models"])
     assert robot.actuated == ("j",)
+
+
+def test_files_that_include_two_of_each_other_are_counted(tmp_path: Path) -> None:
+    """Twenty files, of which each includes the next one twice, are a million."""
+    for number in range(20):
+        twice = "".join(
+            f"<include><name>{name}</name><uri>{number + 1}.sdf</uri></include>" for name in "ab"
+        )
+        (tmp_path / f"{number}.sdf").write_text(
+            f'<sdf version="1.9"><model name="m"><link name="l"/>{twice * (number < 19)}'
+            "</model></sdf>"
+        )
+    with pytest.raises(InvalidRobotFile, match="one of more than 200 files"):
+        psp3.ClosedLoopRobot.from_sdf(tmp_path / "0.sdf", ["j"])
+
+
+@pytest.mark.parametrize("mark", ["<!--", "<![CDATA[", "<a>"])
+def test_marks_that_never_end_take_no_time(tmp_path: Path, mark: str) -> None:
+    """Looked for from each of a million, an end takes hours."""
+    path = tmp_path / "robot.sdf"
+    path.write_text(mark * 1_000_000)
+    begun = time.process_time()
+    with pytest.raises(InvalidRobotFile):
+        psp3.ClosedLoopRobot.from_sdf(path, ["j"])
+    assert time.process_time() - begun < 5.0

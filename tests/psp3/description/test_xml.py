@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import time
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import pytest
 from numpy.testing import assert_array_equal
 
-from psp3.description.xml import described, numbers, read_xml, unique_names
+from fuzzy2.support.bounded_files import LARGEST_TEXT, MOST_ELEMENTS
+from psp3.description.xml import MOST_ATTRIBUTES, described, numbers, read_xml, unique_names
 from psp3.errors import InvalidRobotFile
 
 PATH = Path("some.xml")
@@ -42,6 +44,32 @@ def test_files_that_are_no_xml_or_of_another_kind_are_refused(
     with pytest.raises(InvalidRobotFile, match=reason) as caught:
         read_xml(path, "robot")
     assert caught.value.path == path
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("<robot>" + "<a>" * 1_000_000, "<a> is nested deeper than 200 elements"),
+        ("<robot>" + "<a/>" * (MOST_ELEMENTS + 1) + "</robot>", "more than 100000 elements"),
+        (
+            "<robot " + " ".join(f"a{k}=''" for k in range(MOST_ATTRIBUTES + 1)) + "/>",
+            "<robot> has more than 100 attributes",
+        ),
+        ("<robot><" + "a" * 2000 + "/></robot>", "is longer than 1000 characters"),
+        ("<robot/>" + " " * LARGEST_TEXT, "larger than 16 MiB"),
+        ("<?xml version='1.0' encoding='utf-32'?><robot/>", "cannot be read as XML"),
+    ],
+    ids=range(6),
+)
+def test_files_that_no_robot_needs_are_refused_at_once(
+    tmp_path: Path, content: str, words: str
+) -> None:
+    path = tmp_path / "a.xml"
+    path.write_text(content)
+    begun = time.process_time()
+    with pytest.raises(InvalidRobotFile, match=words):
+        read_xml(path, "robot")
+    assert time.process_time() - begun < 5.0
 
 
 def test_missing_files_and_directories_are_refused(tmp_path: Path) -> None:

@@ -9,9 +9,7 @@ import pytest
 
 import psp3
 from psp3 import trajectories
-from psp3.errors import (
-    InvalidTrajectoryFile,
-)
+from psp3.errors import InvalidTrajectoryFile, InvalidValue
 from tests.psp3.trajectories.points import HOME, NEAR, spline_file
 
 
@@ -78,14 +76,39 @@ def test_a_file_for_another_robot_is_refused(tmp_path: Path) -> None:
         ("t,x,y,z\n0,0,0,0.1\n1,0,0,nan\n", "line 3"),
         ("t,x,y,z\n0,0,0,0.1\n1,0,0,0.1\n", "at least 4"),
         ("t,x,y,z\n0,0,0,0.1\n1,0,0,0.1\n1,0,0,0.1\n2,0,0,0.1\n", "later"),
+        ("t,x,y,z\n0,0,0,0,0,0,0,2\n", "line 2: expected 4 cells, .* got 8.* with a point"),
+        ("t,x,y,z\n0,0,0,0.1,\n", "line 2: expected 4 cells"),
+        ("t,x,y,z,x\n0,0,0,0.1,5\n", "names x twice"),
+        ("t,x,y,z\n0,0,0,1_0\n", "line 2: expected finite numbers"),
+        ("t,x,y,z\n0,0,0,１\n", "line 2: expected finite numbers"),
+        ("t,x,y,z\n0,0,0,1e999\n", "line 2: a number is not finite"),
+        ('t,x,y,z\n0,0,0,"1', "cannot be read"),
+        ("t,x,y,z\n0,0,0,.2\n1e-300,0,1e-3,.2\n2e-300,0,0,.2\n3,0,0,.2\n", "1e-09 of the whole"),
+        ("t,x,y,z\n0,0,0,1e308\n1,0,0,-1e308\n2,0,0,1e308\n3,0,0,-1e308\n", "smooth curve"),
     ],
 )
 def test_broken_files_name_the_line(tmp_path: Path, content: str, reason: str) -> None:
     path = tmp_path / "motion.csv"
-    path.write_text(content)
+    path.write_text(content, encoding="utf-8")
     with pytest.raises(InvalidTrajectoryFile, match=reason) as caught:
         trajectories.FromCSV(path)
     assert caught.value.path == path
+
+
+@pytest.mark.parametrize("start", ["", "\ufeff"])
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_files_of_other_programs_are_read(tmp_path: Path, start: str, end: str) -> None:
+    """With a byte order mark, lines of Windows, quotes, blanks and empty lines."""
+    path = tmp_path / "motion.csv"
+    rows = ['"t", x ,y,z,"a, b"', *(f'{k},"0", 0 ,.2,word' for k in range(4)), "", ",,,,", ""]
+    path.write_bytes((start + end.join(rows)).encode())
+    np.testing.assert_allclose(trajectories.FromCSV(path)(1.0).tip, [0.0, 0.0, 0.2], atol=1e-12)
+
+
+def test_waypoints_too_near_to_each_other_are_refused() -> None:
+    points = [[0.0, 0.0, 0.2], [0.0, 1e-3, 0.2], [0.0, 0.0, 0.2], [0.0, 0.0, 0.2]]
+    with pytest.raises(InvalidValue, match="1e-09 of the whole time"):
+        trajectories.Waypoints([0.0, 1e-300, 2e-300, 3.0], points)
 
 
 def test_missing_file_is_named(tmp_path: Path) -> None:
@@ -144,8 +167,15 @@ def test_noise_of_encoders_hardly_reaches_the_accelerations(tmp_path: Path) -> N
     ("text", "words"),
     [
         ("t,shoulder,elbow\n", "t,left_motor,right_motor,force_left_motor"),
-        ("t,a1,a2,force1,force2\n0,1,2,3\n", "line 2: expected numbers for t, a1, a2, force1"),
-        ("t,a1,a2,force1,force2\n0,1,2,3,nan\n", "line 2: a number is not finite"),
+        (
+            "t,a1,a2,force1,force2\n0,1,2,3\n",
+            "line 2: expected 5 cells, as many as in the first line, got 4",
+        ),
+        ("t,a1,a2,force1,force2\n0,1,2,3,nan\n", "line 2: expected finite numbers for t, a1, a2"),
+        (
+            "t,a1,a2,force1,force2\n" + "".join(f"{k},1e308,{k},3,4\n" for k in range(12)),
+            "smooth curve",
+        ),
         ("t,a1,a2,force1,force2\n0,1,2,3,4\n1,1,2,3,4\n", "N of at least 12"),
         ("t,a1,a2,force1,force2\n" + 12 * "0,1,2,3,4\n", "later than the one before it"),
     ],
