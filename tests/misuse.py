@@ -328,7 +328,10 @@ def _same(before: Any, after: Any) -> bool:
         return bool(
             before.shape == after.shape
             and before.dtype == after.dtype
-            and (before.dtype.kind == "O" or before.tobytes() == after.tobytes())
+            and (
+                before.dtype.kind == "O"
+                or np.asarray(before).tobytes() == np.asarray(after).tobytes()
+            )
         )
     if isinstance(before, list | dict):
         return repr(before) == repr(after)
