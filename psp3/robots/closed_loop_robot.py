@@ -78,6 +78,7 @@ from psp3.robots.assembly import Assembly, assembled
 from psp3.robots.construction import check_parts, named_closures
 from psp3.robots.implementations import DYNAMICS_MODELS as DYNAMICS_MODELS
 from psp3.robots.implementations import implementation
+from psp3.robots.inertias import check_model, warning_of_inertias
 from psp3.robots.learning_inputs import LearningInputs, positions_and_speeds
 from psp3.robots.loop_forces import ClosureForces, forces_of_motion
 from psp3.robots.mismatch import ClosureMismatch, allowance, warnings_of
@@ -200,6 +201,7 @@ class ClosedLoopRobot:
         }
         check_parts(model, constraint_models, actuated, visual_model, self.options, closures)
         self.actuated = tuple(actuated)
+        check_model(model)
         twice = [name for name in self.actuated if self.actuated.count(name) > 1]
         if twice:
             raise InvalidValue(
@@ -249,8 +251,10 @@ class ClosedLoopRobot:
         moved = float(np.abs(pin.difference(model, made.given, self.q0)).max(initial=0.0))
         self.closure_mismatch = ClosureMismatch(made.found.length, made.found.angle, moved)
         worst = made.names[made.found.worst] if made.names else ""
-        for told in warnings_of(self, worst, made.found):
-            logger.warning("%s", told)
+        told = warnings_of(self, worst, made.found)
+        for one in (*told, warning_of_inertias(model)):
+            if one:
+                logger.warning("%s", one)
 
     def _settled(self, guess: Array, found: Structure) -> Core:
         """Return the core at a pose whose coordinates are those of the guess.

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from psp3.checks import (
+    checked_kind,
+)
 from psp3.errors import InvalidValue
 from psp3.fuzzy_control import kernels
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
@@ -40,6 +43,8 @@ def fuzzy_torque(controller: FuzzyComputedTorque) -> Any:
     MissingPackage
         If CasADi is not installed: ``pip install 'psp3[symbolic]'``.
     """
+    wanted = "a FuzzyComputedTorque"
+    checked_kind("controller", controller, FuzzyComputedTorque, wanted)
     table = controller.controller
     if controller.outside != "clamp":
         wanted = "'clamp': the exact dynamics, which close the loops by iteration, cannot take over"

@@ -257,7 +257,7 @@ def of_implementations(name: str) -> Iterator[tuple[str, Call]]:
     q, v = robot(name).configuration(POSES[name]), None
     v = robot(name).velocity(POSES[name], state(name)["speeds"])
     good = {"positions": POSES[name], "q": q, "v": v, **state(name)}
-    for other in ("noc", "pinocchio", "core"):
+    for other in ("noc", "pinocchio"):
         model = robot(name).dynamics(other)
         if other == "noc" and name == "psp3":
             yield (
@@ -271,7 +271,7 @@ def of_implementations(name: str) -> Iterator[tuple[str, Call]]:
             names = parameters_of(function)
             if names and set(names) <= set(good):
                 taken = TAKEN.get(method, {})
-                whose = "NaturalOrthogonalComplement" if other == "noc" else other
+                whose = "NaturalOrthogonalComplement" if other == "noc" else "ProjectedDynamics"
                 whose += "" if name == "psp3" else f" of {name}"
                 yield (
                     f"{whose}.{method}",
@@ -533,6 +533,9 @@ def of_trees() -> Iterator[tuple[str, Call]]:
     yield "residual", Call(closure.residual, {"flat": flat, "q": five_bar.q0})
     yield "SymbolicPSP3", Call(symbolic.SymbolicPSP3, {"robot": machine})
     yield "SymbolicRobot", Call(symbolic.SymbolicRobot, {"robot": five_bar})
+    learned = psp3.FuzzyComputedTorque(robot=machine, n_terms=2)
+    learned.fit(paths.Helix(0.01, robot=machine), duration=2.0, samples=50)
+    yield "fuzzy_torque", Call(symbolic.fuzzy_torque, {"controller": learned})
     made = symbolic.SymbolicRobot(five_bar)
     yield "SymbolicRobot.derivatives", Call(made.derivatives, {"name": "gravity"})
     yield "SymbolicRobot.frame", Call(made.frame, {"name": "tip"})
