@@ -5,9 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Literal, overload
 
-from psp3.checks import (
-    checked_kind,
-)
+from psp3.checks import checked_kind
 from psp3.description.parts import MJCF_ROBOTS, ROBOT_FILES, ROBOTS
 from psp3.description.xml import read_xml
 from psp3.errors import InvalidRobotFile, InvalidValue, UnknownRobot

@@ -121,6 +121,13 @@ def of_each(option: str, given: Numbers, names: Sequence[str]) -> tuple[float, .
     return given.values
 
 
+def one_or_each(option: str, given: Numbers | Limit, names: Sequence[str]) -> tuple[float, ...]:
+    """Return numbers, one for each name: as many as are given, or the same for all."""
+    if len(given.values) == 1:
+        return given.values * len(names)
+    return of_each(option, Numbers(given.values), names)
+
+
 def _counted(number: int, what: str) -> str:
     return f"{number} {what}{'' if number == 1 else 's'}"
 
@@ -180,6 +187,17 @@ Model = Annotated[
         help=(
             "Where M, C and G come from: closed_form (of the 3-PSP, unless given), core (of any "
             "other robot), pinocchio or noc."
+        ),
+    ),
+]
+TorqueLimit = Annotated[
+    Limit | None,
+    typer.Option(
+        parser=limit_of_torque,
+        metavar="N",
+        help=(
+            "Largest force (N) or torque (N m) of a motor, one number or one each; none unless "
+            "given."
         ),
     ),
 ]

@@ -41,6 +41,27 @@ class Free(StrEnum):
     REFUSE = "refuse"
 
 
+ActuatedOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NAME,NAME",
+        rich_help_panel=ROBOT,
+        help="Motors of a robot from a file; those that the file names unless given.",
+    ),
+]
+FreeOption = Annotated[
+    Free | None,
+    typer.Option(
+        metavar="NAME",
+        rich_help_panel=ROBOT,
+        help=(
+            "Motions that no motor commands: lock (unless given) holds them, keep makes "
+            "them coordinates, refuse refuses the robot."
+        ),
+    ),
+]
+
+
 @dataclass(frozen=True, kw_only=True)
 class RobotOptions:
     """The robot of a command; the 3-PSP of the thesis unless another one is named."""
@@ -60,25 +81,8 @@ class RobotOptions:
         Path | None,
         typer.Argument(metavar="[LOOPS]", help="Loop file (.yaml) of a URDF.", show_default=False),
     ] = None
-    actuated: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME,NAME",
-            rich_help_panel=ROBOT,
-            help="Motors of a robot from a file; those that the file names unless given.",
-        ),
-    ] = None
-    free: Annotated[
-        Free | None,
-        typer.Option(
-            metavar="NAME",
-            rich_help_panel=ROBOT,
-            help=(
-                "Motions that no motor commands: lock (unless given) holds them, keep makes "
-                "them coordinates, refuse refuses the robot."
-            ),
-        ),
-    ] = None
+    actuated: ActuatedOption = None
+    free: FreeOption = None
     parameters: ParametersOption = None
 
     @property

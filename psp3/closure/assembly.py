@@ -8,11 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 import pinocchio as pin
 
-from psp3.checks import (
-    Array,
-    checked_kind,
-    one_row,
-)
+from psp3.checks import Array, checked_kind, one_row
 from psp3.errors import ClosureFailed
 from psp3.multibody.closing import LARGEST_REPAIR
 from psp3.multibody.flatten import FlatTree

@@ -44,13 +44,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import (
-    Array,
-    checked_count,
-    checked_not_negative,
-    checked_positive,
-    finite_array,
-)
+from psp3.checks import Array, checked_count, checked_not_negative, checked_positive, finite_array
 from psp3.errors import InvalidValue
 
 

@@ -13,13 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import (
-    Array,
-    as_floats,
-    checked_kind,
-    checked_positive,
-    finite_array,
-)
+from psp3.checks import Array, as_floats, checked_kind, checked_positive, finite_array
 from psp3.dynamics.derivatives import ClosedDynamics, inverse_dynamics_derivatives
 from psp3.errors import InvalidArray, InvalidValue
 

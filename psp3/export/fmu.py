@@ -1,8 +1,8 @@
 """Robots and controllers as functional mock-up units (FMUs), for Simulink, OpenModelica, Dymola, ….
 
 An FMU is a zip archive with a description of its variables, source code in C, and a binary for each
-platform that it is compiled for. Ours are for co-simulation under FMI 2.0: they go on by a whole
-number of periods while their inputs are constant, with the numbers of :func:`psp3.simulate`.
+platform that it is compiled for. Ours are for co-simulation under FMI 2.0 or 3.0: they go on by a
+whole number of periods while their inputs are constant, with the numbers of :func:`psp3.simulate`.
 """
 
 from __future__ import annotations
@@ -22,24 +22,31 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from numpy.typing import ArrayLike
+
 from fuzzy2.errors import NotExportable
 from fuzzy2.support.text_files import written_whole
 from psp3.checks import checked_count, checked_positive
 from psp3.drives.drive import NO_DRIVE, Drive
-from psp3.errors import InvalidValue, SourceOnlyFMU
+from psp3.errors import InvalidValue, SourceOnlyFMU, UnknownName
 from psp3.export.fmu_controller import controller_model
-from psp3.export.fmu_description import description
+from psp3.export.fmu_fmi2 import FMI2
+from psp3.export.fmu_fmi3 import FMI3
 from psp3.export.fmu_glue import glue
 from psp3.export.fmu_model import Model, Variable
 from psp3.export.fmu_plant import plant_model
+from psp3.export.fmu_standard import Standard
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden", "-shared")
 """What the compiler is told: without contraction numbers are those of the compiled loop."""
 
-_C_FILES = Path(__file__).with_name("fmi")
+_C_FILES, _SHARED = Path(__file__).with_name("fmi"), "instance.h"
+_LONGEST = 200
+"""Letters of an identifier, after which there is room for more in the name of a file."""
+
 _BEGINNING = (1980, 1, 1, 0, 0, 0)
-_PLATFORM = "linux64"
+_STANDARDS = {standard.version: standard for standard in (FMI2, FMI3)}
 
 
 @dataclass(frozen=True)
@@ -78,14 +85,16 @@ def export_fmu(
     period: float = 0.002,
     steps: int = 1,
     drive: Drive | Sequence[Drive] = NO_DRIVE,
+    torque_limit: ArrayLike | None = None,
     name: str | None = None,
+    version: str = "2.0",
 ) -> FMU:
-    """Write a robot or a controller as an FMU for co-simulation, FMI 2.0.
+    """Write a robot or a controller as an FMU for co-simulation, FMI 2.0 or 3.0.
 
     A robot is given the forces of its motors and has its positions and speeds as outputs, in the
     steps of :class:`psp3.simulation.runge_kutta.RungeKutta`. A controller is given positions,
     speeds and the desired motion at the beginning of a step, and has the forces as outputs.
-    Parameters of a robot are where and how fast it starts.
+    Parameters of a robot are where and how fast it starts, and the largest forces of its motors.
 
     Numbers are those of :func:`psp3.simulate` with the same period. Where robot and controller take
     their steps in parallel, as most programs let them, the forces arrive one period late, as under
@@ -105,8 +114,13 @@ def export_fmu(
         Steps of integration of a robot in a period.
     drive : Drive or sequence of Drive
         Friction and motor inertia of a robot's actuated joints.
+    torque_limit : float or (m,) array_like, optional
+        Largest force of a robot's motors unless another is set, as of :func:`psp3.simulate` [N],
+        [N m]; none by default.
     name : str, optional
         The identifier of the model; by default what the file is called.
+    version : {"2.0", "3.0"}
+        Of FMI.
 
     Returns
     -------
@@ -117,9 +131,11 @@ def export_fmu(
     Raises
     ------
     fuzzy2.errors.NotExportable
-        If there is no C for it.
+        If there is no C for it, or FMI cannot write its names.
     InvalidValue
         If an argument is malformed.
+    UnknownName
+        If there is no such version.
 
     Warns
     -----
@@ -127,45 +143,64 @@ def export_fmu(
         If there is no binary in it.
     """
     path, period = Path(path), checked_positive("period", period)
+    if path.suffix.lower() != ".fmu":
+        raise InvalidValue("path", str(path), "a name that ends in .fmu")
     identifier = _identifier(path.stem) if name is None else name
-    if not re.fullmatch(r"[A-Za-z_]\w*", identifier, re.ASCII):
-        raise InvalidValue("name", name, "an identifier of C: letters, digits and underscores")
-    steps = checked_count("steps", steps)
+    if not re.fullmatch(rf"[A-Za-z_]\w{{0,{_LONGEST - 1}}}", identifier, re.ASCII):
+        wanted = f"an identifier of C: at most {_LONGEST} letters, digits and underscores"
+        raise InvalidValue("name", name, wanted)
+    steps, standard = checked_count("steps", steps), _standard(version)
     if isinstance(thing, str | Path):
         thing = FuzzyComputedTorque.load(thing, robot)
     if hasattr(thing, "torque") and hasattr(thing, "reset"):
-        if steps != 1 or drive != NO_DRIVE:
-            raise InvalidValue("steps or drive", (steps, drive), "left out: a controller has none")
+        if steps != 1 or drive != NO_DRIVE or torque_limit is not None:
+            given = (steps, drive, torque_limit)
+            raise InvalidValue(
+                "steps, drive or torque_limit", given, "left out: a controller has none"
+            )
         model = controller_model(thing, robot, identifier, period)
     elif hasattr(thing, "compiled_steps"):
-        model = plant_model(thing, identifier, period, steps, drive)
+        model = plant_model(thing, identifier, period, steps, drive, torque_limit)
     else:
         wanted = "a robot, a controller, or the file of a trained controller"
         raise NotExportable(type(thing).__name__, "it is no model", wanted)
-    return _written(model, path)
+    return _written(model, path, standard)
+
+
+def _standard(version: str) -> Standard:
+    """Return a version of FMI."""
+    if version not in tuple(_STANDARDS):
+        raise UnknownName("version of FMI", version, list(_STANDARDS))
+    return _STANDARDS[version]
 
 
 def _identifier(text: str) -> str:
     """Return an identifier of C like a text."""
     word = re.sub(r"\W+", "_", text, flags=re.ASCII)
-    return word if word[:1].isalpha() or word[:1] == "_" else f"model_{word}"
+    beginning = "" if word[:1].isalpha() or word[:1] == "_" else "model_"
+    return f"{beginning}{word}"[:_LONGEST]
 
 
-def _written(model: Model, path: Path) -> FMU:
+def _written(model: Model, path: Path, standard: Standard) -> FMU:
     """Write an FMU."""
-    files = {f"{model.name}.h": model.code.header, f"{model.name}.c": model.code.source}
-    files |= {one.name: one.read_text(encoding="utf-8") for one in sorted(_C_FILES.iterdir())}
+    code = model.code
+    files = {f"{code.name}.h": code.header, f"{code.name}.c": code.source}
+    files |= {
+        name: (_C_FILES / name).read_text(encoding="utf-8") for name in (standard.face, _SHARED)
+    }
     # What identifies the FMU is a hash of all but itself.
-    guid = _guid([*files.values(), glue(model, ""), description(model, "", [])])
+    guid = _guid([*files.values(), glue(model, ""), standard.description(model, "", [])])
     files["model.h"] = glue(model, guid)
     sources = [file for file in files if file.endswith(".c")]
     binary, why_not = _compiled(files, sources, model.name)
-    contents: dict[str, str | bytes] = {"modelDescription.xml": description(model, guid, sources)}
+    description = standard.description(model, guid, sources)
+    contents: dict[str, str | bytes] = {"modelDescription.xml": description}
+    files |= standard.about_sources(model, sources)
     contents |= {f"sources/{file}": text for file, text in files.items()}
     if binary is None:
         warnings.warn(SourceOnlyFMU(path, why_not), stacklevel=3)
     else:
-        contents[f"binaries/{_PLATFORM}/{model.name}.so"] = binary
+        contents[f"binaries/{standard.platform}/{model.name}.so"] = binary
     _zip(contents, path)
     return FMU(path, model.name, guid, model.variables, model.period, binary is not None)
 
@@ -186,9 +221,9 @@ def _compiled(files: dict[str, str], sources: list[str], name: str) -> tuple[byt
         for file, text in files.items():
             Path(folder, file).write_text(text, encoding="utf-8")
         command = [compiler, *FLAGS, "-o", f"{name}.so", *sources, "-lm"]
-        run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        run = subprocess.run(command, cwd=folder, capture_output=True, check=False)
         if run.returncode != 0:
-            return None, f"gcc: {run.stderr.strip()[:500]}"
+            return None, f"gcc: {run.stderr.decode(errors='replace').strip()[:500]}"
         return Path(folder, f"{name}.so").read_bytes(), ""
 
 

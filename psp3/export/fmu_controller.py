@@ -7,7 +7,7 @@ from typing import Any
 from fuzzy2.export.c_code import Argument
 from psp3.checks import Array
 from psp3.export.controllers import code_of, robot_of
-from psp3.export.fmu_model import Model, Variable, in_one_row
+from psp3.export.fmu_model import Model, Variable, in_one_row, name_in_c
 from psp3.export.fmu_names import Names, acceleration, force, position, speed, variables
 
 
@@ -31,9 +31,11 @@ def controller_model(controller: Any, robot: Any, name: str, period: float) -> M
         If there is no C for it.
     """
     steered = robot_of(controller) if robot is None else robot
-    code = code_of(controller, name=name, robot=robot)
+    code = code_of(controller, name=name_in_c(name), robot=robot)
     assert code is not None
-    functions = {function.name.removeprefix(f"{name}_"): function for function in code.functions}
+    functions = {
+        function.name.removeprefix(f"{code.name}_"): function for function in code.functions
+    }
     step = functions["step"]
     groups = {
         argument.name: _group(argument, Names.of(steered), steered.reference)
@@ -41,6 +43,7 @@ def controller_model(controller: Any, robot: Any, name: str, period: float) -> M
         if argument.name != "t"
     }
     return Model(
+        name,
         code,
         f"{type(controller).__name__} of {steered.title}, once in {period:g} s",
         *in_one_row(groups),

@@ -1,13 +1,15 @@
-"""The file modelDescription.xml of an FMU, as FMI 2.0 has it."""
+"""What the files modelDescription.xml of all versions of FMI have in common."""
 
 from __future__ import annotations
 
-from xml.etree import ElementTree
+from collections.abc import Iterable
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from psp3.export.fmu_model import Model, Variable
 from psp3.version import __version__
 
 BASE_UNITS = {
+    "s": {"s": 1},
     "m": {"m": 1},
     "m/s": {"m": 1, "s": -1},
     "m/s2": {"m": 1, "s": -2},
@@ -20,91 +22,71 @@ BASE_UNITS = {
 """Units in those of the SI, by their exponents."""
 
 
-def description(model: Model, guid: str, sources: list[str]) -> str:
-    """Return modelDescription.xml.
+def root_of(model: Model, version: str, token: dict[str, str]) -> Element:
+    """Return the outermost element.
 
     Parameters
     ----------
     model : Model
         The plant or controller.
-    guid : str
-        What binds it to the code.
-    sources : list of str
-        Files to compile.
+    version : str
+        Of FMI.
+    token : dict of str to str
+        The attribute that binds the description to the code.
     """
-    root = ElementTree.Element(
+    about = {"fmiVersion": version, "modelName": model.name, **token}
+    return Element(
         "fmiModelDescription",
-        fmiVersion="2.0",
-        modelName=model.name,
-        guid=guid,
+        about,
         description=model.title,
         generationTool=f"psp3 {__version__}",
         variableNamingConvention="flat",
     )
-    _add_co_simulation(root, model, sources)
-    _add_units(root, model)
-    categories = ElementTree.SubElement(root, "LogCategories")
-    ElementTree.SubElement(
+
+
+def add_units(root: Element, units: Iterable[str]) -> None:
+    """Say what units are in those of the SI."""
+    used = sorted(set(units) - {""})
+    definitions = SubElement(root, "UnitDefinitions") if used else root
+    for name in used:
+        unit = SubElement(definitions, "Unit", name=name)
+        SubElement(unit, "BaseUnit", {base: str(n) for base, n in BASE_UNITS[name].items()})
+
+
+def add_settings(root: Element, model: Model) -> None:
+    """Say what is logged, and which steps to take."""
+    categories = SubElement(root, "LogCategories")
+    SubElement(
         categories, "Category", name="logStatusError", description="Why something went wrong"
     )
-    ElementTree.SubElement(root, "DefaultExperiment", startTime="0.0", stepSize=repr(model.period))
-    variables = ElementTree.SubElement(root, "ModelVariables")
-    for place, variable in enumerate(model.variables):
-        _add_variable(variables, variable, place)
-    _add_structure(root, model)
-    ElementTree.indent(root)
-    head = '<?xml version="1.0" encoding="UTF-8"?>\n'
-    return head + ElementTree.tostring(root, encoding="unicode") + "\n"
+    SubElement(root, "DefaultExperiment", startTime="0.0", stepSize=repr(model.period))
 
 
-def _add_co_simulation(root: ElementTree.Element, model: Model, sources: list[str]) -> None:
-    co_simulation = ElementTree.SubElement(
-        root,
-        "CoSimulation",
-        modelIdentifier=model.name,
-        canHandleVariableCommunicationStepSize="false",
-        canGetAndSetFMUstate="true",
-        canSerializeFMUstate="true",
-    )
-    files = ElementTree.SubElement(co_simulation, "SourceFiles")
-    for name in sources:
-        ElementTree.SubElement(files, "File", name=name)
+def kind_of(variable: Variable) -> dict[str, str]:
+    """Return the attributes that say what a variable is for, and where its first value is from."""
+    of_each = {
+        "parameter": {"variability": "fixed", "initial": "exact"},
+        "input": {},
+        "output": {"initial": "calculated"},
+    }
+    about = {"description": variable.about, "causality": variable.causality}
+    return about | of_each[variable.causality]
 
 
-def _add_units(root: ElementTree.Element, model: Model) -> None:
-    used = sorted({variable.unit for variable in model.variables} - {""})
-    definitions = ElementTree.SubElement(root, "UnitDefinitions")
-    for name in used:
-        unit = ElementTree.SubElement(definitions, "Unit", name=name)
-        exponents = {base: str(power) for base, power in BASE_UNITS[name].items()}
-        ElementTree.SubElement(unit, "BaseUnit", exponents)
-
-
-def _add_variable(parent: ElementTree.Element, variable: Variable, place: int) -> None:
-    of_parameter = {"variability": "fixed", "initial": "exact"}
-    element = ElementTree.SubElement(
-        parent,
-        "ScalarVariable",
-        {
-            "name": variable.name,
-            "valueReference": str(place),
-            "description": variable.about,
-            "causality": variable.causality,
-            **(of_parameter if variable.causality == "parameter" else {}),
-            **({"initial": "calculated"} if variable.causality == "output" else {}),
-        },
-    )
+def number_of(variable: Variable) -> dict[str, str]:
+    """Return the attributes with the first value of a variable, and its unit."""
     number = {"start": repr(variable.start)} if variable.causality != "output" else {}
-    unit = {"unit": variable.unit} if variable.unit else {}
-    ElementTree.SubElement(element, "Real", {**number, **unit})
+    return number | ({"unit": variable.unit} if variable.unit else {})
 
 
-def _add_structure(root: ElementTree.Element, model: Model) -> None:
-    """Say which variables outputs depend on: by their numbers, which begin with one."""
-    structure = ElementTree.SubElement(root, "ModelStructure")
+def known_of(model: Model) -> tuple[list[int], list[int]]:
+    """Return on which variables each output depends: in a step, and when all begins."""
     inputs = model.of("input") if model.feeds_through else []
-    for name, known in (("Outputs", inputs), ("InitialUnknowns", inputs or model.of("parameter"))):
-        group = ElementTree.SubElement(structure, name)
-        for place in model.of("output"):
-            numbers = " ".join(str(one + 1) for one in known)
-            ElementTree.SubElement(group, "Unknown", index=str(place + 1), dependencies=numbers)
+    return inputs, inputs or model.of("parameter")
+
+
+def as_file(root: Element) -> str:
+    """Return an element as the text of a file, indented."""
+    indent(root)
+    head = '<?xml version="1.0" encoding="UTF-8"?>\n'
+    return head + tostring(root, encoding="unicode") + "\n"

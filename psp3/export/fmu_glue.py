@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
 
 from fuzzy2.export.c_code import CFunction
+from fuzzy2.export.c_text import comment
 from psp3.export.fmu_model import Model
 
 
@@ -19,18 +19,19 @@ def glue(model: Model, guid: str) -> str:
     guid : str
         What binds it to its modelDescription.xml.
     """
-    state = f"{model.name}_state" if _has_state(model) else "struct { char none; }"
+    state = f"{model.code.name}_state" if _has_state(model) else "struct { char none; }"
     return "\n".join(
         [
-            f"/* {model.title}: values, and what begins the model and moves it on. */",
+            f"/* {comment(model.title)}: values, and what begins the model and moves it on. */",
             "#ifndef MODEL_H",
             "#define MODEL_H",
             "",
-            f'#include "{model.name}.h"',
+            f'#include "{model.code.name}.h"',
             "",
             f"#define MODEL_GUID {_text(guid)}",
             f"#define MODEL_PERIOD {model.period!r} /* s */",
             f"#define MODEL_VALUES {len(model.variables)}",
+            f"#define MODEL_LONGEST {_longest(model)} /* bytes of a text of the model */",
             "",
             f"typedef {state} model_state;",
             "",
@@ -53,7 +54,16 @@ def _has_state(model: Model) -> bool:
 
 
 def _text(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False)
+    """Return a text as C writes it: what is not plain by the numbers of its bytes in UTF-8."""
+    plain = (
+        chr(b) if 32 <= b < 127 and chr(b) not in '"?\\' else f"\\{b:03o}" for b in text.encode()
+    )
+    return f'"{"".join(plain)}"'
+
+
+def _longest(model: Model) -> int:
+    texts = [*model.messages.values(), *(variable.name for variable in model.variables)]
+    return max(len(text.encode()) for text in texts)
 
 
 def _table(kind: str, name: str, entries: Iterable[str]) -> str:

@@ -9,9 +9,11 @@ from typing import Any
 
 from psp3.checks import Array
 from psp3.dynamics.compiled_robot import advance, is_state
+from psp3.simulation.kernels import limited
 
 BEYOND_LIMITS = -1
-"""What is returned where the first coordinate is beyond its limits; one less for each that follows.
+"""What is returned where the first coordinate is beyond its limits; one less for each that follows,
+and then for each motor whose largest force is no positive number.
 """
 
 
@@ -45,10 +47,14 @@ def begin(
     motion: Array,
     start_positions: Array,
     start_speeds: Array,
+    largest: Array,
     positions: Array,
     speeds: Array,
 ) -> int:
     """Put the robot into a state; return 1, 0 where it has no such pose, or -1 - i at a limit."""
+    for i in range(largest.size):
+        if not largest[i] > 0.0:
+            return BEYOND_LIMITS - low.size - i
     for i in range(start_positions.size):
         motion[i] = start_positions[i]
     for i in range(start_speeds.size):
@@ -70,12 +76,16 @@ def move(
     low: Array,
     high: Array,
     motion: Array,
+    applied: Array,
     forces: Array,
+    largest: Array,
     positions: Array,
     speeds: Array,
 ) -> int:
     """Go on by one period; return 1, 0 where no pose is reached, or -1 - i at a limit."""
-    if not advance(robot, motion, forces, step, steps, drives):
+    for i in range(largest.size):
+        applied[i] = limited(forces[i], largest[i])
+    if not advance(robot, motion, applied, step, steps, drives):
         return 0
     write_motion(motion, positions, speeds)
     return is_within(motion, low, high)

@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from fuzzy2.errors import NotExportable
 from fuzzy2.export.c_code import CCode, CFunction
 
 Causality = Literal["parameter", "input", "output"]
+
+_NOT_IN_XML = re.compile(r"[^ -~\u00a0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""Characters that no XML has, and those that a name of a variable must not have: ends of lines."""
+
+
+def name_in_c(name: str) -> str:
+    """Return what the code of a model is called: never as a word of C, or what else is there."""
+    return f"code_{name}"
 
 
 @dataclass(frozen=True)
@@ -44,6 +55,8 @@ class Model:
 
     Parameters
     ----------
+    name : str
+        The identifier of the model.
     code : CCode
         Its functions in C.
     title : str
@@ -63,8 +76,14 @@ class Model:
         The period [s].
     messages : mapping of int to str
         What a function means by returning another number than 1.
+
+    Raises
+    ------
+    fuzzy2.errors.NotExportable
+        If two variables would have one name, or there are characters that XML cannot hold.
     """
 
+    name: str
     code: CCode
     title: str
     variables: tuple[Variable, ...]
@@ -75,10 +94,16 @@ class Model:
     period: float
     messages: Mapping[int, str]
 
-    @property
-    def name(self) -> str:
-        """The identifier of the model."""
-        return self.code.name
+    def __post_init__(self) -> None:
+        names = [variable.name for variable in self.variables]
+        for text in (self.title, *names):
+            if _NOT_IN_XML.search(text):
+                why = f"no FMU can hold all characters of {text!r}"
+                raise NotExportable(self.name, why, "the robot and its joints printable names")
+        name, count = Counter(names).most_common(1)[0]
+        if count > 1:
+            why = f"{count} of its variables would be called {name}"
+            raise NotExportable(self.name, why, "the robot's joints other names")
 
     def of(self, causality: Causality) -> list[int]:
         """Return the value references of the variables of a causality."""

@@ -7,21 +7,31 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fuzzy2.errors import NotExportable
 from fuzzy2.export.c_code import Argument, CFunction, CWriter, Known, Mixed
-from psp3.checks import Array
+from psp3.checks import Array, one_or_each
 from psp3.drives.drive import Drive
+from psp3.errors import InvalidValue
 from psp3.export.fmu_kernels import BEYOND_LIMITS, begin, move
-from psp3.export.fmu_model import Model, in_one_row
+from psp3.export.fmu_model import Model, in_one_row, name_in_c
 from psp3.export.fmu_names import Names, force, position, speed, variables
 from psp3.multibody.tree import AT_BEFORE
+
+NO_LIMIT = float(np.finfo(float).max)
+"""The largest force of a motor without a limit: the largest number, which all programs can read."""
 
 _NO_REFERENCE = np.empty(0)
 
 
 def plant_model(
-    robot: Any, name: str, period: float, steps: int, drive: Drive | Sequence[Drive]
+    robot: Any,
+    name: str,
+    period: float,
+    steps: int,
+    drive: Drive | Sequence[Drive],
+    torque_limit: ArrayLike | None,
 ) -> Model:
     """Return a robot as a plant, with the steps of :mod:`psp3.simulation.runge_kutta`.
 
@@ -37,16 +47,21 @@ def plant_model(
         Steps of integration in it.
     drive : Drive or sequence of Drive
         Of all motors, or of each.
+    torque_limit : float or (m,) array_like, optional
+        Largest forces until others are set [N], [N m]; none unless given.
 
     Raises
     ------
     fuzzy2.errors.NotExportable
         If the robot has dynamics of its own class.
+    InvalidValue
+        If a limit is not positive.
     """
     if robot.compiled_table() is None:
         wanted = "a robot of psp3.load"
         raise NotExportable(type(robot).__name__, "its dynamics are Python of its class", wanted)
-    names, code = Names.of(robot), CWriter(name, "double", _about(robot, period, steps))
+    largest = _largest_forces(torque_limit, len(robot.actuated))
+    names, code = Names.of(robot), CWriter(name_in_c(name), "double", _about(robot, period, steps))
     begins, moves = _add_functions(code, robot, robot.compiled_steps(steps, drive), period)
     groups = {
         "forces": variables("force", "force", names.motors, force, "input"),
@@ -59,8 +74,12 @@ def plant_model(
         "start_speeds": variables(
             "start_speed", "speed at the start", names.speeds, speed, "parameter"
         ),
+        "largest_forces": variables(
+            *("largest_force", "largest force", names.motors, force, "parameter"), largest
+        ),
     }
     return Model(
+        name,
         code.code(),
         f"{robot.title}, integrated in steps of {period / steps:g} s",
         *in_one_row(groups),
@@ -70,6 +89,16 @@ def plant_model(
         period,
         _messages(robot, names),
     )
+
+
+def _largest_forces(torque_limit: ArrayLike | None, motors: int) -> Array:
+    """Return the largest force of each motor."""
+    if torque_limit is None:
+        return np.full(motors, NO_LIMIT)
+    limits = one_or_each("torque_limit", torque_limit, motors)
+    if not (limits > 0.0).all():
+        raise InvalidValue("torque_limit", torque_limit, f"one positive number or {motors}")
+    return limits
 
 
 def _about(robot: Any, period: float, steps: int) -> list[str]:
@@ -88,6 +117,7 @@ def _add_functions(
     mixed, reference = _parts(table)
     motion = Argument("motion", "positions and speeds", p + n, "state")
     limits: list[Known | Argument] = [Known("low", low), Known("high", high), motion]
+    largest = Argument("largest_forces", "that the motors exert, whatever is asked for [N, N m]", m)
     shown = [
         Argument("positions", "where the robot is [m, rad]", p, "out"),
         Argument("speeds", "its speeds [m/s, rad/s]", n, "out"),
@@ -102,9 +132,11 @@ def _add_functions(
             *limits,
             Argument("start_positions", "where the robot begins [m, rad]", p),
             Argument("start_speeds", "with which speeds [m/s, rad/s]", n),
+            largest,
             *shown,
         ],
-        "1; 0 where there is no such pose; -1 - i where coordinate i is beyond its limits",
+        "1; 0 where there is no such pose; -1 - i where coordinate i is beyond its limits, less "
+        "where a largest force is not positive",
     )
     step = [Known("step", period / plant.steps), Known("steps", plant.steps)]
     moves = writer.add(
@@ -116,7 +148,9 @@ def _add_functions(
             *step,
             Known("drives", plant.drives),
             *limits,
+            Argument("applied", "forces of the motors", m, "state"),
             Argument("forces", "of the motors [N, N m]", m),
+            largest,
             *shown,
         ],
         "1; 0 where no pose is reached; -1 - i where coordinate i is beyond its limits",
@@ -142,4 +176,7 @@ def _messages(robot: Any, names: Names) -> dict[int, str]:
         if high < math.inf or low > -math.inf:
             said = f"{name} is beyond its limits, {low:.6g} to {high:.6g} {unit}"
             messages[BEYOND_LIMITS - i] = said
+    for i, (name, _) in enumerate(names.motors):
+        said = f"largest_force_{name} is not positive: set the largest force of the motor"
+        messages[BEYOND_LIMITS - len(names.positions) - i] = said
     return messages

@@ -14,6 +14,7 @@ from fuzzy2.export.project import write_project
 from fuzzy2.files.formats import load as load_system
 from fuzzy2.support.text_files import read_text
 from psp3.export import typical_inputs
+from psp3.export.controllers import robot_of
 from psp3.export.face import c_code
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.controller_files import FORMAT, FORMAT_OF_ANY
@@ -41,13 +42,25 @@ def opened(source: str | Path, robot: Any = None) -> Any:
         What the reader of the file raises.
     """
     path, suffix = Path(source), Path(source).suffix.lower()
-    if not suffix and not path.is_file():
-        return load_robot(str(source))
-    if suffix in ENDINGS and (suffix != ".xml" or _outermost(path) in READERS):
-        return load_robot(path)
+    if is_robot(source):
+        return load_robot(path if suffix else str(source))
     if suffix == ".json" and _format_of(path) in (FORMAT, FORMAT_OF_ANY):
         return FuzzyComputedTorque.load(path, robot)
     return load_system(path)
+
+
+def is_robot(source: str | Path) -> bool:
+    """Tell whether something is the name of a robot, or the file of one.
+
+    Parameters
+    ----------
+    source : str or path
+        The name or the file.
+    """
+    path, suffix = Path(source), Path(source).suffix.lower()
+    if not suffix and not path.is_file():
+        return True
+    return suffix in ENDINGS and (suffix != ".xml" or _outermost(path) in READERS)
 
 
 def export_project(
@@ -78,6 +91,8 @@ def export_project(
     ------
     fuzzy2.errors.NotExportable
         If there is no C for it.
+    fuzzy2.errors.FileInTheWay
+        If the folder has a file of one of the names that no export left there as it is.
     """
     if hasattr(thing, "input_names"):
         return export_system(thing, folder, precision=precision, name=name or "system")
@@ -85,15 +100,9 @@ def export_project(
     if isinstance(thing, Robot):
         write_project(code, folder, typical_inputs.of_robot(thing))
         return code
-    robot = options.get("robot") or _robot_of(thing)
+    robot = options.get("robot") or robot_of(thing)
     write_project(_runnable(code, robot), folder, typical_inputs.of_controller(robot))
     return code
-
-
-def _robot_of(controller: Any) -> Any:
-    """Return the robot that a controller knows."""
-    inner = getattr(controller, "base", controller)
-    return getattr(inner, "robot", None) or inner.model
 
 
 def _runnable(code: CCode, robot: Any) -> CCode:

@@ -16,13 +16,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import (
-    Array,
-    Indices,
-    checked_kind,
-    checked_random,
-    one_row,
-)
+from psp3.checks import Array, Indices, checked_kind, checked_random, one_row
 from psp3.closure.rank import RANK_TOLERANCE, numerical_rank
 from psp3.errors import (
     ClosureFailed,

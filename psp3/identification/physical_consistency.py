@@ -13,11 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import (
-    Array,
-    checked_robot,
-    one_row,
-)
+from psp3.checks import Array, checked_robot, one_row
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 ROUNDING = 1e-12

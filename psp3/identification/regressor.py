@@ -14,12 +14,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import (
-    Array,
-    checked_robot,
-    finite_rows,
-    together,
-)
+from psp3.checks import Array, checked_robot, finite_rows, together
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 PARAMETERS_OF_A_BODY = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")

@@ -14,13 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import (
-    Array,
-    checked_kind,
-    checked_names,
-    checked_robot,
-    one_row,
-)
+from psp3.checks import Array, checked_kind, checked_names, checked_robot, one_row
 from psp3.errors import InvalidValue, UnknownName
 from psp3.identification.regressor import (
     PARAMETERS_OF_A_BODY,

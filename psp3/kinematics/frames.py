@@ -8,12 +8,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import (
-    Array,
-    checked_robot,
-    finite_rows,
-    together,
-)
+from psp3.checks import Array, checked_robot, finite_rows, together
 from psp3.multibody.named_frames import frame_number
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 

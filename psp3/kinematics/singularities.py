@@ -47,13 +47,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import (
-    Array,
-    checked_positive,
-    finite_rows,
-    one_row,
-    overflow_refused,
-)
+from psp3.checks import Array, checked_positive, finite_rows, one_row, overflow_refused
 from psp3.closure.assembly import jacobian, residual
 from psp3.closure.rank import RANK_TOLERANCE, null_space
 from psp3.errors import OpenLoops

@@ -9,10 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from psp3.checks import (
-    checked_names,
-    checked_robot,
-)
+from psp3.checks import checked_names, checked_robot
 from psp3.errors import InvalidValue, UnknownName
 from psp3.multibody.equations import Coupling
 from psp3.multibody.named_frames import frame_number

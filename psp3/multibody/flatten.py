@@ -9,12 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from psp3.checks import (
-    Array,
-    Indices,
-    checked_kind,
-    one_row,
-)
+from psp3.checks import Array, Indices, checked_kind, one_row
 from psp3.errors import InvalidValue, UnsupportedJoint
 from psp3.multibody.equations import Coupling, Hinge, Spin
 from psp3.multibody.tree import (

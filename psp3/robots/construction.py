@@ -8,13 +8,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from psp3.checks import (
-    Array,
-    checked_finite,
-    checked_kind,
-    checked_names,
-    one_row,
-)
+from psp3.checks import Array, checked_finite, checked_kind, checked_names, one_row
 from psp3.errors import InvalidValue, UnknownName
 from psp3.multibody.equations import Coupling, Hinge, Spin
 from psp3.multibody.named_frames import frame_number

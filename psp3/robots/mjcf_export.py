@@ -25,11 +25,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import (
-    Array,
-    checked_robot,
-    one_row,
-)
+from psp3.checks import Array, checked_robot, one_row
 from psp3.errors import MasslessBody, UnexportableJoint, UnphysicalInertia
 from psp3.multibody.equations import Coupling
 from psp3.robots.closed_loop_robot import ClosedLoopRobot

@@ -9,11 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import (
-    checked_not_negative,
-    checked_robot,
-    one_row,
-)
+from psp3.checks import checked_not_negative, checked_robot, one_row
 from psp3.errors import InvalidValue
 from psp3.multibody.named_frames import frame_number
 from psp3.robots.closed_loop_robot import ClosedLoopRobot

@@ -5,11 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import (
-    Array,
-    checked_positive,
-    finite_array,
-)
+from psp3.checks import Array, checked_positive, finite_array
 from psp3.errors import InvalidArray, InvalidValue
 
 

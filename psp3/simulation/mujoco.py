@@ -16,14 +16,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import (
-    Array,
-    as_floats,
-    checked_count,
-    checked_positive,
-    checked_robot,
-    one_row,
-)
+from psp3.checks import Array, as_floats, checked_count, checked_positive, checked_robot, one_row
 from psp3.drives.drive import NO_DRIVE, Drive, drive_table
 from psp3.errors import InvalidValue, MissingPackage
 from psp3.robots.closed_loop_robot import ClosedLoopRobot

@@ -11,10 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy2.support.text_files import written_whole
-from psp3.checks import (
-    Array,
-    checked_path,
-)
+from psp3.checks import Array, checked_path
 from psp3.errors import InvalidResultFile
 from psp3.trajectories.motion import Motion
 

@@ -25,9 +25,7 @@ from dataclasses import asdict, dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from psp3.checks import (
-    as_floats,
-)
+from psp3.checks import as_floats
 from psp3.errors import InvalidArray, InvalidValue, UnknownName
 
 

@@ -26,12 +26,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import (
-    Array,
-    checked_kind,
-    finite_array,
-    finite_rows,
-)
+from psp3.checks import Array, checked_kind, finite_array, finite_rows
 from psp3.errors import InvalidArray, InvalidValue
 from psp3.three_psp.geometry import SCREW_AZIMUTHS
 from psp3.three_psp.robot import PSP3

@@ -9,12 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import (
-    Array,
-    checked_path,
-    checked_robot,
-    finite_rows,
-)
+from psp3.checks import Array, checked_path, checked_robot, finite_rows
 from psp3.errors import InvalidArray, InvalidTrajectoryFile, InvalidValue
 from psp3.robots.robot import Robot
 from psp3.trajectories.motion import finite_times

@@ -15,10 +15,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import (
-    Array,
-    checked_robot,
-)
+from psp3.checks import Array, checked_robot
 from psp3.collisions.motion import check_clearance
 from psp3.errors import InvalidValue, UnknownName
 from psp3.robots.robot import Robot

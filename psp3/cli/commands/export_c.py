@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+
+from psp3.cli.export_options import ROBOT_OR_CONTROLLER, ThingOptions
+from psp3.cli.option_groups import single_options
+from psp3.cli.options import TorqueLimit, one_or_each, only_allowed
 
 
 class PrecisionName(StrEnum):
@@ -26,27 +31,24 @@ def output_folder(text: str) -> Path:
     return path
 
 
-def c(
+@dataclass(frozen=True, kw_only=True)
+class ThingInC(ThingOptions):
+    """What is written in C, which fuzzy systems can be, too."""
+
     thing: Annotated[
         str,
         typer.Argument(
             metavar="THING",
-            help=(
-                "A robot of the package (psp3 info lists them); or a file: of a robot (.urdf, .xml "
-                "or .sdf), of a controller that psp3 train wrote (.json), or of a fuzzy system "
-                "(.fis, .fll, .fcl, .fml, .json)."
-            ),
+            help=f"{ROBOT_OR_CONTROLLER}, or of a fuzzy system (.fis, .fll, .fcl, .fml, .json).",
             show_default=False,
         ),
-    ],
-    robot: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="[ROBOT]",
-            help="The robot of a controller, where it is one from a file.",
-            show_default=False,
-        ),
-    ] = None,
+    ]
+
+
+@single_options
+def c(
+    *,
+    thing: ThingInC,
     out: Annotated[
         Path,
         typer.Option(
@@ -55,7 +57,7 @@ def c(
             help="Directory to write into; it is made if it is not there.",
             show_default=False,
         ),
-    ] = ...,  # type: ignore[assignment] # what typer takes for: required
+    ],
     precision: Annotated[
         PrecisionName,
         typer.Option(metavar="NAME", help="Of all numbers: double, or single for a Cortex-M4."),
@@ -68,17 +70,25 @@ def c(
             show_default=False,
         ),
     ] = None,
+    torque_limit: TorqueLimit = None,
 ) -> None:
     """Write a robot, a controller or a fuzzy system in C99, with a program and a test.
 
     Into DIR go NAME.c and NAME.h, which need nothing else; main.c, which answers lines of numbers;
     a test with 200 cases and what Python answers; a Makefile and a README.md.
     """
-    from psp3.export.project import export_project, identifier, opened
+    from psp3.export.controllers import robot_of
+    from psp3.export.project import export_project, identifier
 
-    owner = None if robot is None else opened(robot)
+    written, robot = thing.open()
+    options: dict[str, Any] = {} if robot is None else {"robot": robot}
+    if not hasattr(written, "torque"):
+        only_allowed(f"{thing.thing}, which is no controller", {"torque_limit": torque_limit}, ())
+    elif torque_limit is not None:
+        steered = robot_of(written) if robot is None else robot
+        options["torque_limit"] = one_or_each("--torque-limit", torque_limit, steered.actuated)
     code = export_project(
-        opened(thing, owner), out, precision=precision.value, name=name or identifier(thing)
+        written, out, precision=precision.value, name=name or identifier(thing.thing), **options
     )
     typer.echo(
         f"{code.name}.c and {code.name}.h are in {out}, with {len(code.functions)} "

@@ -3,56 +3,57 @@
 from __future__ import annotations
 
 import warnings
+from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from psp3.cli.options import fmu_output
+from psp3.cli.export_options import DriveOptions, ThingOptions
+from psp3.cli.option_groups import single_options
+from psp3.cli.options import TorqueLimit, fmu_output, one_or_each, only_allowed
 
 
+class Version(StrEnum):
+    """Versions of FMI."""
+
+    TWO = "2.0"
+    THREE = "3.0"
+
+
+@single_options
 def fmu(
-    thing: Annotated[
-        str,
-        typer.Argument(
-            metavar="THING",
-            help=(
-                "A robot of the package (psp3 info lists them); or a file: of a robot (.urdf, .xml "
-                "or .sdf), or of a controller that psp3 train wrote (.json)."
-            ),
-            show_default=False,
-        ),
-    ],
-    robot: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="[ROBOT]",
-            help="The robot of a controller, where it is one from a file.",
-            show_default=False,
-        ),
-    ] = None,
     *,
+    thing: ThingOptions,
     out: Annotated[
         Path,
         typer.Option(
             parser=fmu_output, metavar="FILE", help="File to write, *.fmu.", show_default=False
         ),
     ],
+    fmi: Annotated[
+        Version, typer.Option(metavar="VERSION", help="Of FMI: 2.0 or 3.0.")
+    ] = Version.TWO,
     period: Annotated[
         float,
         typer.Option(metavar="SECONDS", help="Communication step, or the least one (s)."),
     ] = 0.002,
     steps: Annotated[
-        int, typer.Option(metavar="COUNT", help="Steps of integration of a robot in a period.")
-    ] = 1,
+        int | None,
+        typer.Option(
+            metavar="COUNT", help="Steps of integration of a robot in a period; 1 unless given."
+        ),
+    ] = None,
     name: Annotated[
         str | None,
         typer.Option(
             metavar="NAME", help="Identifier of the model; FILE's unless given.", show_default=False
         ),
     ] = None,
+    torque_limit: TorqueLimit = None,
+    drive: DriveOptions,
 ) -> None:
-    """Write a robot or a controller as an FMU (FMI 2.0, co-simulation).
+    """Write a robot or a controller as an FMU (FMI 2.0 or 3.0, co-simulation).
 
     A robot is given the forces of its motors, and has positions and speeds as outputs; a controller
     is given those and the desired motion, and has the forces as outputs. FILE holds source code in
@@ -60,13 +61,22 @@ def fmu(
     """
     from psp3.errors import SourceOnlyFMU
     from psp3.export.fmu import export_fmu
-    from psp3.loading import load
+    from psp3.robots.robot import Robot
 
-    steered = None if robot is None else load(robot)
-    model = Path(thing) if thing.endswith(".json") else load(thing)
+    model, steered = thing.open()
+    of_a_robot = {"steps": steps, "torque_limit": torque_limit, **vars(drive)}
+    options: dict[str, Any] = {}
+    if isinstance(model, Robot):
+        options = {"drive": drive.drives(model), "steps": 1 if steps is None else steps}
+        if torque_limit is not None:
+            options["torque_limit"] = one_or_each("--torque-limit", torque_limit, model.actuated)
+    else:
+        only_allowed(f"{thing.thing}, which is no robot", of_a_robot, ())
     with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always", SourceOnlyFMU)
-        written = export_fmu(model, out, robot=steered, period=period, steps=steps, name=name)
+        written = export_fmu(
+            model, out, robot=steered, period=period, name=name, version=fmi.value, **options
+        )
     for warning in warned:
         typer.echo(f"psp3: {warning.message}", err=True)
     for causality in ("input", "output", "parameter"):

@@ -15,13 +15,11 @@ from psp3.cli.options import (
     USAGE,
     ControllerName,
     InitialSpeed,
-    Limit,
     Model,
-    Numbers,
+    TorqueLimit,
     TrajectoryText,
-    limit_of_torque,
     listed,
-    of_each,
+    one_or_each,
     only_allowed,
     output_file,
 )
@@ -75,17 +73,7 @@ def simulate(
     ] = None,
     model: Model = None,
     gains: GainOptions,
-    torque_limit: Annotated[
-        Limit | None,
-        typer.Option(
-            parser=limit_of_torque,
-            metavar="N",
-            help=(
-                "Largest force (N) or torque (N m) of a motor, one number or one each; none unless "
-                "given."
-            ),
-        ),
-    ] = None,
+    torque_limit: TorqueLimit = None,
     period: Annotated[float, typer.Option(metavar="S", help="Control period (s).")] = 0.002,
     initial_speed: Annotated[
         InitialSpeed,
@@ -121,7 +109,7 @@ def simulate(
         only_allowed("--trained, which has its own", own, ())
         steering, settings = controller_from_file(which, trained)
         controller = ControllerName(steering.kind)
-    limit = None if torque_limit is None else _one_or_each(torque_limit, which)
+    limit = torque_limit and one_or_each("--torque-limit", torque_limit, which.actuated)
     desired, seconds, name_of_motion = trajectory_from_options(which, trajectory, motion)
     on_path = initial_speed is InitialSpeed.PATH
     from psp3.errors import SimulationStopped
@@ -212,12 +200,6 @@ def _speeds_of_path(robot: ClosedLoopRobot, desired: Trajectory) -> Any:
     speeds = np.zeros(robot.coordinates_v.size)
     speeds[: robot.commanded] = desired(0.0).speeds
     return speeds
-
-
-def _one_or_each(given: Limit, robot: ClosedLoopRobot) -> Any:
-    if len(given.values) == 1:
-        return given.values[0]
-    return of_each("--torque-limit", Numbers(given.values), robot.actuated)
 
 
 def _figure(robot: ClosedLoopRobot, result: Result, title: str) -> Any:

@@ -184,6 +184,9 @@ FMI2_Export fmi2Status FMI2(fmi2SetupExperiment)(fmi2Component c, fmi2Boolean to
     (void)tolerance;
     (void)stopTimeDefined;
     (void)stopTime;
+    if (it->it.now.phase != INSTANTIATED) {
+        return refused(it, INITIALIZED);
+    }
     it->it.now.start_time = it->it.now.time = startTime;
     return fmi2OK;
 }
@@ -191,24 +194,13 @@ FMI2_Export fmi2Status FMI2(fmi2SetupExperiment)(fmi2Component c, fmi2Boolean to
 FMI2_Export fmi2Status FMI2(fmi2EnterInitializationMode)(fmi2Component c)
 {
     component *it = c;
-    if (it->it.now.phase != INSTANTIATED) {
-        return refused(it, "the FMU is initialized already: reset it first");
-    }
-    it->it.now.phase = INITIALIZING;
-    return fmi2OK;
+    return status_of(it, enter_initialization(&it->it));
 }
 
 FMI2_Export fmi2Status FMI2(fmi2ExitInitializationMode)(fmi2Component c)
 {
     component *it = c;
-    if (it->it.now.phase != INITIALIZING) {
-        return refused(it, "the FMU is not in initialization mode");
-    }
-    if (!begin_instance(&it->it)) {
-        return status_of(it, 0);
-    }
-    it->it.now.phase = RUNNING;
-    return fmi2OK;
+    return status_of(it, exit_initialization(&it->it));
 }
 
 FMI2_Export fmi2Status FMI2(fmi2Terminate)(fmi2Component c)
@@ -238,8 +230,6 @@ FMI2_Export fmi2Status FMI2(fmi2SetReal)(fmi2Component c, const fmi2ValueReferen
     component *it = c;
     return status_of(it, set_values(&it->it, vr, nvr, value));
 }
-
-#define REAL_ONLY "all variables of this FMU are real numbers"
 
 FMI2_Export fmi2Status FMI2(fmi2GetInteger)(fmi2Component c, const fmi2ValueReference vr[],
                                             size_t nvr, fmi2Integer value[])
@@ -366,7 +356,7 @@ FMI2_Export fmi2Status FMI2(fmi2GetDirectionalDerivative)(
     (void)nKnown;
     (void)dvKnown;
     (void)dvUnknown;
-    return not_here(c, nUnknown, "this FMU offers no derivatives");
+    return not_here(c, nUnknown, NO_DERIVATIVES);
 }
 
 FMI2_Export fmi2Status FMI2(fmi2SetRealInputDerivatives)(fmi2Component c,
@@ -388,7 +378,7 @@ FMI2_Export fmi2Status FMI2(fmi2GetRealOutputDerivatives)(fmi2Component c,
     (void)vr;
     (void)order;
     (void)value;
-    return not_here(c, nvr, "this FMU offers no derivatives of outputs");
+    return not_here(c, nvr, NO_DERIVATIVES);
 }
 
 FMI2_Export fmi2Status FMI2(fmi2DoStep)(fmi2Component c, fmi2Real currentCommunicationPoint,

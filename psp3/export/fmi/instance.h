@@ -15,6 +15,10 @@
 
 enum phase { INSTANTIATED, INITIALIZING, RUNNING, TERMINATED, FAILED };
 
+#define REAL_ONLY "all variables of this FMU are real numbers of 64 bits"
+#define INITIALIZED "the FMU is initialized already: reset it first"
+#define NO_DERIVATIVES "this FMU offers no derivatives"
+
 /* Share of a period by which times may be off: of what rounding does to them. */
 #define TIME_TOLERANCE 1e-6
 
@@ -30,7 +34,7 @@ typedef struct {
 
 typedef struct {
     snapshot now;
-    char problem[512];
+    char problem[MODEL_LONGEST + 512];
 } instance;
 
 static void reset_instance(instance *it)
@@ -67,6 +71,31 @@ static int begin_instance(instance *it)
         return fail(it, it->now.time, code);
     }
     it->now.is_stale = 0;
+    return 1;
+}
+
+/* Begin the initialization; tell whether that went well. */
+static int enter_initialization(instance *it)
+{
+    if (it->now.phase != INSTANTIATED) {
+        snprintf(it->problem, sizeof it->problem, INITIALIZED);
+        return 0;
+    }
+    it->now.phase = INITIALIZING;
+    return 1;
+}
+
+/* End the initialization, after which there are steps; tell whether that went well. */
+static int exit_initialization(instance *it)
+{
+    if (it->now.phase != INITIALIZING) {
+        snprintf(it->problem, sizeof it->problem, "the FMU is not in initialization mode");
+        return 0;
+    }
+    if (!begin_instance(it)) {
+        return 0;
+    }
+    it->now.phase = RUNNING;
     return 1;
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 import fuzzy2
 import psp3
+from psp3.description.parts import ROBOT_FILES
 from tests.project_folder import asked, lines, make, needs_c, numbers
 from tests.psp3.cli.answers import Run, words
 
@@ -76,9 +78,40 @@ def test_controller_of_a_file(psp3_command: Run) -> None:
     np.testing.assert_array_equal(found[1:4], want)
 
 
+@needs_c
+def test_controller_with_limits_of_a_robot_from_files(psp3_command: Run) -> None:
+    """Options of the robot are those of other commands; the forces are limited, and else equal."""
+    for ending in ("urdf", "srdf"):
+        shutil.copy(ROBOT_FILES / f"five_bar.{ending}", f"mine.{ending}")
+    shutil.copy(ROBOT_FILES / "five_bar.yaml", "closed.yaml")
+    robot = psp3.load("mine.urdf", loops="closed.yaml")
+    path = psp3.trajectories.Sway(robot=robot)
+    controller = psp3.FuzzyComputedTorque("t1", robot, learner="average").fit(path, 1.5)
+    controller.save("trained.json")
+    wanted = path(np.array([0.3]))
+    desired = type(wanted)(*(one[0] for one in wanted))
+    state = [0.3, *(desired.positions + 0.2), *(desired.speeds - 0.1)]
+    want = controller.torque(0.3, np.array(state[1:3]), np.array(state[3:]), desired)
+    limits = np.array([0.5, 2.0]) * abs(want)
+    answer = psp3_command(
+        *("export", "c", "trained.json", "mine.urdf", "--loops", "closed.yaml", "--out", "folder"),
+        *("--torque-limit", ",".join(map(repr, limits.tolist()))),
+    )
+    assert answer.status == 0
+    folder = Path("folder")
+    make(folder)
+    assert "passed" in make(folder, "test")
+    row = [*state, *desired.positions, *desired.speeds, *desired.accelerations]
+    found = numbers(asked(folder, lines([row]), "step")[1])[0]
+    np.testing.assert_array_equal(found[1:3], np.clip(want, -limits, limits))
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [
+        (("five_bar", "psp3", "--out", "f"), "five_bar is a robot itself"),
+        (("five_bar", "--torque-limit", "1", "--out", "f"), "five_bar, which is no controller"),
+        (("x.json", "--actuated", "a", "--out", "f"), "--actuated is an option of a robot"),
         (("nobody", "--out", "f"), "nobody"),
         (("missing.fis", "--out", "f"), "missing.fis: No such file"),
         (("missing.json", "--out", "f"), "missing.json: No such file"),
