@@ -215,7 +215,7 @@ def checked_kind(name: str, value: object, kind: type | tuple[type, ...], requir
 
 def checked_robot(robot: Any) -> None:
     """Raise :class:`InvalidValue` if something is no robot."""
-    if not hasattr(robot, "coordinates_v") or not hasattr(robot, "reference"):
+    if not hasattr(robot, "model") and not hasattr(robot, "reference"):
         raise InvalidValue("robot", robot, 'a robot, as psp3.load("delta") returns it')
 
 
