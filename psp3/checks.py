@@ -9,7 +9,8 @@ import contextlib
 import decimal
 import math
 import numbers
-from collections.abc import Callable, Iterator
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, cast
 
@@ -221,8 +222,12 @@ def checked_robot(robot: Any) -> None:
 
 def checked_path(name: str, path: object) -> Path:
     """Return a path; raise :class:`InvalidValue` if it is neither text nor a path."""
-    checked_kind(name, path, (str, Path), "the path of a file, as text or pathlib.Path")
-    return Path(cast("str | Path", path))
+    wanted = "the path of a file, as text or pathlib.Path"
+    checked_kind(name, path, (str, os.PathLike), wanted)
+    found = Path(cast("str | os.PathLike[str]", path))
+    if "\0" in str(found):
+        raise InvalidValue(name, path, wanted)
+    return found
 
 
 def checked_names(name: str, names: object) -> tuple[str, ...]:
@@ -230,9 +235,13 @@ def checked_names(name: str, names: object) -> tuple[str, ...]:
 
     A single text is none: it would be taken letter by letter.
     """
-    if not isinstance(names, list | tuple) or not all(isinstance(one, str) for one in names):
+    listed: tuple[Any, ...] | None = None
+    if isinstance(names, Iterable) and not isinstance(names, str | bytes | Mapping):
+        with contextlib.suppress(TypeError):  # an array without dimensions
+            listed = tuple(names)
+    if listed is None or not all(isinstance(one, str) for one in listed):
         raise InvalidValue(name, names, f"a list of names; of a single one [{name}]")
-    return tuple(names)
+    return listed
 
 
 @contextlib.contextmanager

@@ -197,10 +197,14 @@ class ClosedLoopRobot:
             "springs": springs,
             "tendons": tendons,
             "free": free,
-            "coordinates": coordinates,
+            "coordinates": None
+            if coordinates is None
+            else checked_names("coordinates", coordinates),
         }
-        check_parts(model, constraint_models, actuated, visual_model, self.options, closures)
-        self.actuated = tuple(actuated)
+        if coordinates is not None:
+            self.options["coordinates"] = checked_names("coordinates", coordinates)
+        check_parts(model, constraint_models, visual_model, self.options, closures)
+        self.actuated = checked_names("actuated", actuated)
         check_model(model)
         twice = [name for name in self.actuated if self.actuated.count(name) > 1]
         if twice:
@@ -350,7 +354,7 @@ class ClosedLoopRobot:
             if path is not None:
                 checked_path(name, path)
         if actuated is not None:
-            checked_names("actuated", actuated)
+            actuated = checked_names("actuated", actuated)
         checked_kind("closures", closures, (list, tuple), "a list of two frames and a kind each")
         parts = read_robot(urdf, loops, srdf, actuated, closures)
         robot = cls(*parts, free=free, coordinates=coordinates, closures=closures)
@@ -392,7 +396,7 @@ class ClosedLoopRobot:
 
         checked_path("mjcf", mjcf)
         if actuated is not None:
-            checked_names("actuated", actuated)
+            actuated = checked_names("actuated", actuated)
         if joint_type is not None:
             checked_kind("joint_type", joint_type, Mapping, "a mapping of joints to their types")
         parts = read_mjcf(mjcf, actuated, joint_type)
@@ -434,7 +438,7 @@ class ClosedLoopRobot:
 
         checked_path("sdf", sdf)
         if actuated is not None:
-            checked_names("actuated", actuated)
+            actuated = checked_names("actuated", actuated)
         checked_kind("model_paths", model_paths, (list, tuple), "a list of folders")
         for folder in model_paths:
             checked_path("model_paths", folder)

@@ -20,7 +20,6 @@ CLOSURE_KINDS = ("3d", "6d", "hinge")
 def check_parts(
     model: Any,
     constraint_models: Any,
-    actuated: Any,
     visual_model: Any,
     options: Mapping[str, Any],
     closures: Any,
@@ -31,7 +30,6 @@ def check_parts(
     checked_kind("constraint_models", constraint_models, (list, tuple, vector), "a list of loops")
     for loop in constraint_models:
         checked_kind("constraint_models", loop, pin.RigidConstraintModel, "RigidConstraintModels")
-    checked_names("actuated", actuated)
     wanted = "a pinocchio.GeometryModel or None"
     checked_kind("visual_model", visual_model, (pin.GeometryModel, type(None)), wanted)
     checked_kind("equations", options["equations"], tuple, "a list of Hinge or Coupling")
@@ -41,8 +39,6 @@ def check_parts(
         _check_springs(model, options["springs"])
     if options["tendons"] is not None:
         _check_tendons(options["tendons"])
-    if options["coordinates"] is not None:
-        checked_names("coordinates", options["coordinates"])
     checked_kind("closures", closures, (list, tuple), "a list of two frames and a kind each")
     for closure in closures:
         if len(checked_names("closures", closure)) != 3:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, checked_positive, finite_array
+from psp3.checks import Array, as_floats, checked_positive, finite_array
 from psp3.errors import InvalidArray, InvalidValue
 
 
@@ -27,11 +27,14 @@ class Encoder:
         self._last: Array | None = None
 
     def read(self, positions: ArrayLike, speeds: ArrayLike) -> tuple[Array, Array]:
-        """Return the positions (p,) and speeds (n,) that a controller sees."""
-        seen, rates = finite_array("positions", positions), finite_array("speeds", speeds)
+        """Return the positions (p,) and speeds (n,) that a controller sees.
+
+        Of a motion that diverges they may be no numbers.
+        """
+        seen, rates = as_floats("positions", positions, "(p,)"), as_floats("speeds", speeds, "(n,)")
         k = len(self._resolution)
         for name, row in (("positions", seen), ("speeds", rates)):
-            if row.ndim != 1 or len(row) < k:
+            if row.ndim != 1 or len(row) < k or not row.size:
                 raise InvalidArray(name, f"(n,) of at least {k}", row)
         seen, rates = seen.copy(), rates.copy()
         if self._is_perfect:

@@ -358,7 +358,9 @@ def of_simulation(folder: Path) -> Iterator[tuple[str, Call]]:
         ),
     )
     seen = {"positions": np.array([0.1, 0.2]), "speeds": np.array([0.3, 0.4])}
-    free = {"positions": SHAPES, "speeds": SHAPES}
+    # Whoever sees a motion diverge must see it.
+    diverged = (*SHAPES, "NaN entry", "infinite entry")
+    free = {"positions": diverged, "speeds": diverged}
 
     def read(**given: Any) -> Any:
         return simulation.Encoder(np.array([0.1, 0.2]), 0.1).read(**given)
