@@ -197,9 +197,7 @@ class ClosedLoopRobot:
             "springs": springs,
             "tendons": tendons,
             "free": free,
-            "coordinates": None
-            if coordinates is None
-            else checked_names("coordinates", coordinates),
+            "coordinates": coordinates,
         }
         if coordinates is not None:
             self.options["coordinates"] = checked_names("coordinates", coordinates)

@@ -43,12 +43,13 @@ class Encoder:
         return seen, rates
 
     def _counted(self, positions: Array, speeds: Array) -> tuple[Array, Array]:
-        with np.errstate(divide="ignore", invalid="ignore"):  # of perfect encoders among others
+        with np.errstate(divide="ignore", invalid="ignore"):  # of perfect ones, and motions that diverge
             counted = np.where(
                 self._coarse,
                 self._resolution * np.floor(positions / self._resolution + 0.5),
                 positions,
             )
-        last = counted if self._last is None else self._last
+            last = counted if self._last is None else self._last
+            rates = (counted - last) / self._period
         self._last = counted
-        return counted, np.where(self._coarse, (counted - last) / self._period, speeds)
+        return counted, np.where(self._coarse, rates, speeds)
