@@ -43,7 +43,8 @@ class Encoder:
         return seen, rates
 
     def _counted(self, positions: Array, speeds: Array) -> tuple[Array, Array]:
-        with np.errstate(divide="ignore", invalid="ignore"):  # of perfect ones, and motions that diverge
+        # Of perfect encoders among others, and of motions that diverge.
+        with np.errstate(divide="ignore", invalid="ignore"):
             counted = np.where(
                 self._coarse,
                 self._resolution * np.floor(positions / self._resolution + 0.5),
