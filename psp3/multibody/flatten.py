@@ -193,12 +193,11 @@ def flattened(
     checked_kind("springs", springs, (Mapping, type(None)), "stiffness and rest by joints")
     for name, numbers in (springs or {}).items():
         one_row(f"springs[{name!r}]", numbers, 2)
-    independent_v = _checked_places("independent_v", independent_v, model.nv)
-    locked_v = _checked_places("locked_v", locked_v, model.nv)
+    chosen = _checked_places("independent_v", independent_v, model.nv)
+    held = set(_checked_places("locked_v", locked_v, model.nv))
     elements, of_joint = _elements(model)
     closures = [_Closure(elements, of_joint, constraint) for constraint in constraint_models]
-    independent = {int(v): number for number, v in enumerate(independent_v)}
-    held = {int(v) for v in locked_v}
+    independent = {v: number for number, v in enumerate(chosen)}
     groups = _groups(elements, closures, independent, held)
     return _packed(model, elements, closures, groups, independent, held, springs or {})
 
