@@ -1049,7 +1049,7 @@ class ClosedLoopRobot:
         acting = -self.joint_resistance(q, v)
         acting[self.coordinates_v] += force
         found = forces_of_motion(self.model, self._all_closures(), self._held, (q, v, a), acting)
-        both = [(one.force, one.torque) for one in (*found.loops, *found.joints)]
+        both = [loop[1:] for loop in found.loops] + [joint[1:] for joint in found.joints]
         if not np.isfinite(both).all():
             raise NoFiniteAnswer(row)
         return found
