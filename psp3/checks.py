@@ -46,7 +46,7 @@ def as_floats(name: str, values: ArrayLike, shape: str) -> Array:
         ):
             floats = np.ascontiguousarray(array, dtype=np.float64)
             # Of what is read-only numba would compile every kernel anew, or refuse it.
-            return floats if floats.flags.writeable else floats.copy()
+            return floats if floats.flags.carray else floats.copy()
     except (TypeError, ValueError, OverflowError) as error:
         raise InvalidArray(name, shape, values) from error
     raise InvalidArray(name, shape, values)

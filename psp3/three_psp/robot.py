@@ -700,7 +700,7 @@ def _three(name: str, values: ArrayLike) -> Array:
     Whether they are finite is seen by the kernels.
     """
     # Of what is read-only numba would compile every kernel anew.
-    ready = type(values) is np.ndarray and values.dtype is _FLOAT and values.flags.writeable
+    ready = type(values) is np.ndarray and values.dtype is _FLOAT and values.flags.carray
     array: Array = np.ascontiguousarray(values) if ready else as_floats(name, values, "(..., 3)")
     if array.shape != (3,) and (array.shape[-1] != 3 or np.ndim(values) == 0):
         raise InvalidArray(name, "(..., 3)", values)
