@@ -381,6 +381,6 @@ def _angles(**arguments: ArrayLike) -> list[Array]:
     for name, value in arguments.items():
         arrays.append(finite_array(name, value))
     try:
-        return list(np.broadcast_arrays(*arrays))
+        return [array.copy() for array in np.broadcast_arrays(*arrays)]
     except ValueError as error:
         raise InvalidArray(" and ".join(arguments), "(...,) that go together", arrays[0]) from error
