@@ -6,13 +6,21 @@ Finite numbers of the right shape, or an error that says which.
 from __future__ import annotations
 
 import contextlib
+import decimal
 import math
-from collections.abc import Callable
+import numbers
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from psp3.errors import InvalidArray, InvalidValue
+
+MOST = 2**63 - 1
+"""Whoever gives a greater number does not mean to count to it."""
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -25,17 +33,23 @@ def as_floats(name: str, values: ArrayLike, shape: str) -> Array:
     ------
     InvalidArray
         If they are not real numbers. Complex ones are refused: their imaginary part would be lost
-        without a word.
+        without a word. So are masked ones: what is under a mask is not meant to be computed with.
     """
+    if isinstance(values, np.ma.MaskedArray):
+        raise InvalidArray(name, f"{shape} without a mask (take values.filled(...))", values)
     try:
         array = np.asarray(values)
-        if array.dtype.kind not in "fiubO":
-            raise InvalidArray(name, shape, values)
-        return np.ascontiguousarray(array, dtype=np.float64)
-    except InvalidArray:
-        raise
-    except (TypeError, ValueError) as error:
+        # Of objects numpy reads text as numbers, and dates as days.
+        if array.dtype.kind in "fiub" or (
+            array.dtype.kind == "O"
+            and all(isinstance(value, numbers.Real | decimal.Decimal) for value in array.flat)
+        ):
+            floats = np.ascontiguousarray(array, dtype=np.float64)
+            # Of what is read-only numba would compile every kernel anew, or refuse it.
+            return floats if floats.flags.carray else floats.copy()
+    except (TypeError, ValueError, OverflowError) as error:
         raise InvalidArray(name, shape, values) from error
+    raise InvalidArray(name, shape, values)
 
 
 def finite_rows(name: str, values: ArrayLike, width: int) -> Array:
@@ -183,9 +197,13 @@ def checked_not_negative(name: str, value: object) -> float:
 def checked_count(name: str, value: object, least: int = 1) -> int:
     """Return a whole number.
 
-    Raise :class:`InvalidValue` if it is none, or less than the least one.
+    Raise :class:`InvalidValue` if it is none, less than the least one, or more than can be counted.
     """
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
+    if (
+        isinstance(value, bool)
+        or not isinstance(value, int | np.integer)
+        or not least <= value <= MOST
+    ):
         raise InvalidValue(name, value, f"a whole number of at least {least}")
     return int(value)
 
@@ -207,6 +225,59 @@ def checked_steps(value: object) -> int:
             "steps", value, f"at most {MOST_STEPS:,} in a period; shorten the period instead"
         )
     return steps
+
+
+def checked_kind(name: str, value: object, kind: type | tuple[type, ...], requirement: str) -> None:
+    """Raise :class:`InvalidValue` if something is not of a kind."""
+    if not isinstance(value, kind):
+        raise InvalidValue(name, value, requirement)
+
+
+def checked_robot(robot: Any) -> None:
+    """Raise :class:`InvalidValue` if something is no robot."""
+    if not hasattr(robot, "model") and not hasattr(robot, "reference"):
+        raise InvalidValue("robot", robot, 'a robot, as psp3.load("delta") returns it')
+
+
+def checked_path(name: str, path: object) -> Path:
+    """Return a path; raise :class:`InvalidValue` if it is neither text nor a path."""
+    wanted = "the path of a file, as text or pathlib.Path"
+    checked_kind(name, path, (str, os.PathLike), wanted)
+    found = Path(cast("str | os.PathLike[str]", path))
+    if "\0" in str(found):
+        raise InvalidValue(name, path, wanted)
+    return found
+
+
+def checked_names(name: str, names: object) -> tuple[str, ...]:
+    """Return names as a tuple; raise :class:`InvalidValue` if they are no list of texts.
+
+    A single text is none: it would be taken letter by letter.
+    """
+    listed: tuple[Any, ...] | None = None
+    if isinstance(names, Iterable) and not isinstance(names, str | bytes | Mapping):
+        with contextlib.suppress(TypeError):  # an array without dimensions
+            listed = tuple(names)
+    if listed is None or not all(isinstance(one, str) for one in listed):
+        raise InvalidValue(name, names, f"a list of names; of a single one [{name}]")
+    return listed
+
+
+@contextlib.contextmanager
+def overflow_refused(what: str) -> Iterator[None]:
+    """Raise :class:`InvalidValue` where numbers overflow, or answers are no numbers."""
+    try:
+        with np.errstate(over="raise", invalid="raise", divide="raise"):
+            yield
+    except (FloatingPointError, OverflowError) as error:
+        wanted = "of such a size that results are numbers; check the units"
+        raise InvalidValue(what, str(error), wanted) from error
+
+
+def checked_random(rng: object) -> None:
+    """Raise :class:`InvalidValue` if something is no source of random numbers, nor None."""
+    wanted = "a generator, numpy.random.default_rng(seed), or None"
+    checked_kind("rng", rng, (np.random.Generator, type(None)), wanted)
 
 
 def one_or_each(name: str, values: ArrayLike, joints: int) -> Array:

@@ -27,7 +27,16 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from fuzzy2.support.logs import logger_named
-from psp3.checks import Array, finite_rows, one_row, together
+from psp3.checks import (
+    Array,
+    checked_kind,
+    checked_names,
+    checked_path,
+    finite_array,
+    finite_rows,
+    one_row,
+    together,
+)
 from psp3.closure.passive_limits import PassiveLimits
 from psp3.closure.rank import dependent_solver, null_space
 from psp3.closure.structure import Structure
@@ -39,6 +48,7 @@ from psp3.dynamics.dynamics_model import DynamicsModel
 from psp3.dynamics.motors import Driven, Motors, forces_of_motors, least_norm
 from psp3.errors import (
     ClosureFailed,
+    InvalidArray,
     InvalidValue,
     JointLimitExceeded,
     NoFiniteAnswer,
@@ -65,9 +75,10 @@ from psp3.multibody.motion import (
 )
 from psp3.multibody.named_frames import frame_number
 from psp3.robots.assembly import Assembly, assembled
-from psp3.robots.construction import named_closures
+from psp3.robots.construction import check_parts, named_closures
 from psp3.robots.implementations import DYNAMICS_MODELS as DYNAMICS_MODELS
 from psp3.robots.implementations import implementation
+from psp3.robots.inertias import check_model, warning_of_inertias
 from psp3.robots.learning_inputs import LearningInputs, positions_and_speeds
 from psp3.robots.loop_forces import ClosureForces, forces_of_motion
 from psp3.robots.mismatch import ClosureMismatch, allowance, warnings_of
@@ -183,16 +194,20 @@ class ClosedLoopRobot:
         free: str = "lock",
         coordinates: Sequence[str] | None = None,
     ) -> None:
-        if free not in FREE:
+        if not isinstance(free, str) or free not in FREE:
             raise UnknownName("treatment of free motions", free, FREE)
         self.options: dict[str, Any] = {
-            "equations": tuple(equations),
+            "equations": tuple(equations) if isinstance(equations, Sequence) else equations,
             "springs": springs,
             "tendons": tendons,
             "free": free,
             "coordinates": coordinates,
         }
-        self.actuated = tuple(actuated)
+        if coordinates is not None:
+            self.options["coordinates"] = checked_names("coordinates", coordinates)
+        check_parts(model, constraint_models, visual_model, self.options, closures)
+        self.actuated = checked_names("actuated", actuated)
+        check_model(model)
         twice = [name for name in self.actuated if self.actuated.count(name) > 1]
         if twice:
             raise InvalidValue(
@@ -204,7 +219,14 @@ class ClosedLoopRobot:
         others = [*equations, *(one for one in more if isinstance(one, Hinge))]
         shapes = visual_model if visual_model is not None else pin.GeometryModel()
         tree = SimpleTree(model, shapes, loops, others, home)
-        self._take(assembled(tree, self.actuated, self.options))
+        try:
+            with np.errstate(over="ignore", invalid="ignore"):  # of a home that is none
+                made = assembled(tree, self.actuated, self.options)
+        except np.linalg.LinAlgError as error:
+            raise InvalidValue(
+                "q0", tree.home, "a configuration that can be computed with"
+            ) from error
+        self._take(made)
 
     def _take(self, made: Assembly) -> None:
         """Take a tree whose coordinates are chosen, and close its loops."""
@@ -235,8 +257,10 @@ class ClosedLoopRobot:
         moved = float(np.abs(pin.difference(model, made.given, self.q0)).max(initial=0.0))
         self.closure_mismatch = ClosureMismatch(made.found.length, made.found.angle, moved)
         worst = made.names[made.found.worst] if made.names else ""
-        for told in warnings_of(self, worst, made.found):
-            logger.warning("%s", told)
+        told = warnings_of(self, worst, made.found)
+        for one in (*told, warning_of_inertias(model)):
+            if one:
+                logger.warning("%s", one)
 
     def _settled(self, guess: Array, found: Structure) -> Core:
         """Return the core at a pose whose coordinates are those of the guess.
@@ -327,6 +351,13 @@ class ClosedLoopRobot:
         InvalidValue
             If a robot has loops, but neither a loop file nor ``actuated``.
         """
+        checked_path("urdf", urdf)
+        for name, path in (("loops", loops), ("srdf", srdf)):
+            if path is not None:
+                checked_path(name, path)
+        if actuated is not None:
+            actuated = checked_names("actuated", actuated)
+        checked_kind("closures", closures, (list, tuple), "a list of two frames and a kind each")
         parts = read_robot(urdf, loops, srdf, actuated, closures)
         robot = cls(*parts, free=free, coordinates=coordinates, closures=closures)
         robot.urdf, robot.srdf = Path(urdf), None if srdf is None else Path(srdf)
@@ -365,6 +396,11 @@ class ClosedLoopRobot:
         """
         from psp3.description.mjcf import read_mjcf
 
+        checked_path("mjcf", mjcf)
+        if actuated is not None:
+            actuated = checked_names("actuated", actuated)
+        if joint_type is not None:
+            checked_kind("joint_type", joint_type, Mapping, "a mapping of joints to their types")
         parts = read_mjcf(mjcf, actuated, joint_type)
         robot = cls(*parts, free=free, coordinates=coordinates, closures=closures)
         robot.mjcf = Path(mjcf)
@@ -402,6 +438,12 @@ class ClosedLoopRobot:
         """
         from psp3.description.sdf import read_sdf
 
+        checked_path("sdf", sdf)
+        if actuated is not None:
+            actuated = checked_names("actuated", actuated)
+        checked_kind("model_paths", model_paths, (list, tuple), "a list of folders")
+        for folder in model_paths:
+            checked_path("model_paths", folder)
         return cls(
             *read_sdf(sdf, actuated, model_paths),
             free=free,
@@ -493,11 +535,12 @@ class ClosedLoopRobot:
 
     # Closing the loops
 
-    def constraint_jacobian(self, q: Array) -> Array:
+    def constraint_jacobian(self, q: ArrayLike) -> Array:
         """Return Pinocchio's constraint Jacobian, (m, nv).
 
         Minus the derivative of the residual where the loops are closed.
         """
+        q = one_row("q", q, self.model.nq)
         if not len(self.constraint_models):
             return np.zeros((0, self.model.nv))
         pin.computeJointJacobians(self.model, self.data, q)
@@ -562,13 +605,14 @@ class ClosedLoopRobot:
 
         What a question does not need may be any of the others.
         """
-        if guess is None or type(guess) is LastPose:
+        plain = type(positions) is type(speeds) is type(third) is np.ndarray
+        if plain and (guess is None or type(guess) is LastPose):
             # One state, as control loops ask for it: nothing to check that the kernels do not.
             out = np.empty(width)
             try:
                 if self._core.ask_one(question, positions, speeds, third, out, guess):
                     return out
-            except TypeError:  # lists, many states, numbers of another kind
+            except TypeError:  # many states, numbers of another kind
                 pass
         p, n = self._position_count, self._speed_count
         arrays = together(
@@ -714,7 +758,7 @@ class ClosedLoopRobot:
 
     # Projected dynamics
 
-    def drift(self, q: Array, v: Array) -> Array:
+    def drift(self, q: ArrayLike, v: ArrayLike) -> Array:
         r"""Return the joint accelerations, :math:`\dot L \dot q^a`.
 
         They hold while the actuated joints move uniformly.
@@ -737,6 +781,7 @@ class ClosedLoopRobot:
             If the actuated joints do not determine the others here.
         """
         nq, nv = self.model.nq, self.model.nv
+        q, v = one_row("q", q, nq), one_row("v", v, nv)
         motion = self._ask(
             MOTION,
             nq + 2 * nv,
@@ -891,11 +936,15 @@ class ClosedLoopRobot:
         UnreachableForces
             If the motors cannot.
         """
-        k = np.shape(forces)[-1]
-        wanted = finite_rows("forces", forces, k)
+        p, n = self._position_count, self._speed_count
+        wanted = finite_array("forces", forces)
+        k = wanted.shape[-1] if wanted.ndim else 0
+        if not 0 < k <= n:
+            raise InvalidArray("forces", f"(..., k) of at most {n}", wanted)
+        where = finite_rows("positions", positions, p)
         if self.drives_coordinates:
             return wanted
-        actuation = self.actuation_matrix(positions)[..., :k, :]
+        actuation = self.actuation_matrix(where)[..., :k, :]
         return least_norm(actuation, wanted, self.coordinates[:k])
 
     @functools.cached_property
@@ -1003,10 +1052,21 @@ class ClosedLoopRobot:
         # The forces along the coordinates act at their joints.
         acting = -self.joint_resistance(q, v)
         acting[self.coordinates_v] += force
-        return forces_of_motion(self.model, self._all_closures(), self._held, (q, v, a), acting)
+        found = forces_of_motion(self.model, self._all_closures(), self._held, (q, v, a), acting)
+        both = [loop[1:] for loop in found.loops] + [joint[1:] for joint in found.joints]
+        if not np.isfinite(both).all():
+            raise NoFiniteAnswer(row)
+        return found
 
-    def joint_resistance(self, q: Array, v: Array) -> Array:
-        """Return the forces of springs, damping and dry friction of all joints, (nv,)."""
+    def joint_resistance(self, q: ArrayLike, v: ArrayLike) -> Array:
+        """Return the forces of springs, damping and dry friction of all joints, (nv,).
+
+        Parameters
+        ----------
+        q, v : (nq,), (nv,) array_like
+            Configuration and joint velocities.
+        """
+        q, v = one_row("q", q, self.model.nq), one_row("v", v, self.model.nv)
         forces = self.model.damping * v + self.model.upperDryFrictionLimit * np.sign(v)
         for name, (stiffness, rest) in self.springs.items():
             joint = self.model.joints[self.model.getJointId(name)]

@@ -10,15 +10,8 @@ import pinocchio as pin
 from psp3.closure.structure import TOLD_MISMATCH, closure_names, robot_size
 from psp3.multibody.equations import Coupling, Hinge
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.inertias import impossible
 from psp3.robots.second_opinion import Opinion, mujoco_opinion
-
-IMPOSSIBLE = 1e-9
-"""So far, as a share of the largest, a principal moment may exceed the sum of the other two by the
-rounding of the computer: those of a flat body are at the very border.
-"""
-
-ROUNDED = 2e-3
-"""Below this share an impossible inertia may be one that was rounded."""
 
 LIGHT = 1e-9
 """A coordinate that moves this share of what another one does moves nothing."""
@@ -176,7 +169,7 @@ def _of_loops(robot: ClosedLoopRobot) -> list[Finding]:
 def _of_inertias(model: pin.Model) -> list[Finding]:
     findings = []
     for name, inertia in list(zip(model.names, model.inertias, strict=True))[1:]:
-        what = _impossible(inertia)
+        what = impossible(inertia)
         if what:
             findings.append(
                 Finding(
@@ -185,26 +178,6 @@ def _of_inertias(model: pin.Model) -> list[Finding]:
                 )
             )
     return findings
-
-
-def _impossible(inertia: pin.Inertia) -> str:
-    """Return what is wrong with an inertia; nothing if a body can have it.
-
-    The moments of a body are sums of squares of two coordinates each, so that none exceeds the sum
-    of the other two.
-    """
-    moments = np.linalg.eigvalsh(inertia.inertia)
-    if inertia.mass < 0.0 or moments[0] < -ROUNDED * abs(moments[2]):
-        return f"mass {inertia.mass:.6g} kg, principal moments {moments} kg m²"
-    excess = moments[2] - moments[1] - moments[0]
-    if excess <= IMPOSSIBLE * moments[2]:
-        return ""
-    share = f"{100.0 * excess / moments[2]:.2g} %"
-    rounded = " (rounding may have done it)" if excess < ROUNDED * moments[2] else ""
-    return (
-        f"its largest principal moment, {moments[2]:.6g} kg m², exceeds the sum of the other two "
-        f"by {share}{rounded}"
-    )
 
 
 def _of_mass_matrix(robot: ClosedLoopRobot) -> list[Finding]:

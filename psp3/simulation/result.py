@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy2.support.text_files import written_whole
-from psp3.checks import Array
+from psp3.checks import Array, checked_path
 from psp3.errors import InvalidResultFile
 from psp3.simulation.array_files import LARGEST, arrays_of
 from psp3.trajectories.motion import Motion
@@ -98,7 +98,7 @@ class Result:
         path : path
             The file; an existing one is replaced only when the new one is complete.
         """
-        path = Path(path)
+        path = checked_path("path", path)
         arrays = {name: getattr(self, name) for name in _ARRAYS}
         arrays |= dict(zip(_DESIRED, self.desired, strict=True))
         arrays |= {
@@ -129,6 +129,7 @@ def load_result(path: str | Path, largest: int = LARGEST) -> Result:
         If the file is missing, truncated, of another kind or version, larger than asked for, or its
         arrays do not fit together.
     """
+    path = checked_path("path", path)
     try:
         content = dict(arrays_of(path, largest))
     except (OSError, ValueError) as error:

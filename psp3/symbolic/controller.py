@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from psp3.checks import checked_kind
 from psp3.fuzzy_control import kernels
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.symbolic.interpreter import Interpreter
@@ -42,6 +43,7 @@ def fuzzy_torque(controller: FuzzyComputedTorque) -> Any:
     MissingPackage
         If CasADi is not installed: ``pip install 'psp3[symbolic]'``.
     """
+    checked_kind("controller", controller, FuzzyComputedTorque, "a FuzzyComputedTorque")
     table = controller.controller
     n = controller.joints
     inputs = {name: SX.sym(name, n) for name in INPUTS}

@@ -5,13 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import (
-    Array,
-    checked_finite,
-    checked_not_negative,
-    checked_positive,
-    one_row,
-)
+from psp3.checks import Array, checked_finite, checked_not_negative, checked_positive, one_row
 from psp3.robots.robot import Robot
 from psp3.trajectories.trajectory import Trajectory
 
