@@ -3,6 +3,7 @@
 #   make reproduce   install, and run the main job
 #   make test        install what the tests need, and run them
 #   make test-quick  run those that take no time: for working
+#   make fuzz        try 50 000 changed files on all readers: half an hour
 #   make lint        check style and types
 #   make bench       measure speed
 #   make docs        build the documentation: results/docs/index.html
@@ -35,7 +36,7 @@ KERNELS := $(shell grep -rl --include='*.py' 'support\.compiled' psp3 fuzzy2) $(
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .SUFFIXES:
-.PHONY: help reproduce test test-quick lint bench docs pictures lock clean
+.PHONY: help reproduce test test-quick fuzz lint bench docs pictures lock clean
 
 help:
 	@sed -n 's/^#   make/  make/p' Makefile
@@ -51,6 +52,10 @@ test: $(VENV)/.compiled $(VENV)/.dev
 test-quick: $(VENV)/.compiled $(VENV)/.dev
 	@echo "Running the quick tests"
 	@$(BIN)/python -m pytest $(DISTRIBUTED) -m "not slow"
+
+fuzz: $(VENV)/.compiled $(VENV)/.dev
+	@echo "Trying changed files on all readers; faults go into results/hostile"
+	@$(BIN)/python -m tests.hostile 50000
 
 lint: $(VENV)/.dev
 	@echo "Checking style (ruff), types (mypy) and the order of imports (import-linter)"
