@@ -28,17 +28,22 @@ def parse_json(text: str, source: str = "document") -> Any:
     ------
     MalformedFile
         If it is not JSON (``place`` is the line and column), or is nested too deeply, has a number
-        that JSON has no word for, or gives a name twice (``place`` is the path).
+        that JSON has no word for, has half of a surrogate pair in a string, or gives a name twice (``place`` is the path).
     """
     try:
         document = json.loads(
             text, object_pairs_hook=_without_repetition, parse_constant=_refuse_constant
         )
         repeated = _first_repeated(document, "$")
+        if "\\ud" in text.lower():
+            json.dumps(document, ensure_ascii=False).encode()
     except json.JSONDecodeError as error:
         raise MalformedFile(
             source, f"line {error.lineno}, column {error.colno}", error.msg
         ) from None
+    except UnicodeEncodeError as error:
+        reason = f"has half of a pair of characters, {error.object[error.start]!r}"
+        raise MalformedFile(source, "$", reason) from None
     except RecursionError:
         raise MalformedFile(source, "$", "is nested too deeply") from None
     except ValueError as error:  # an integer of thousands of digits, or NaN

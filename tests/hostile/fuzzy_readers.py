@@ -251,6 +251,7 @@ FCL = Language(
     "// nothing",
     r"RULE \d+|RANGE := .*$|FUNCTION .*$",
 )
+ANY = FLL._replace(silent=r"^Version=.*$|: [12]$|<\?xml.*$|Function .*$|^ *range:.*$")
 WORDS = Language(
     ("if", "is", "not", "and", "or", "then", "else", "with", "(", ")", '"', "\\", "#", "very")
 )
@@ -359,7 +360,7 @@ def fuzzy_readers() -> tuple[Reader, ...]:
             second=second_fml,
         ),
         one(
-            "fll", ".fll", seeds=fll, change=_text(FLL), read=whole(read_fll, format_fll, parse_fll)
+            "fll", ".fll", seeds=fll, change=_text(ANY), read=whole(read_fll, format_fll, parse_fll)
         ),
         one(
             "fcl",

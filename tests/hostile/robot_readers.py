@@ -13,6 +13,7 @@ import json
 import os
 import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -30,6 +31,9 @@ from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.kinematics.pose_map import KinematicMap
 from psp3.loading import load
 from psp3.simulation.result import Result, load_result
+from psp3.study import grid
+from psp3.study.file import StudyFile
+from psp3.study.run import METRICS, Run
 from psp3.trajectories.motion import Motion
 from psp3.trajectories.recorded import FromCSV
 from tests.cross import test_mutated_mjcf, test_mutated_sdf, test_mutated_urdf
@@ -171,7 +175,8 @@ def _poses(path: Path) -> str:
 def _spline(path: Path) -> tuple[str, str]:
     motion = FromCSV(path, _three_psp())
     knots = motion._spline
-    return motion.space, repr(np.column_stack([knots.x, knots(knots.x)]).tolist())
+    # The numbers of each row but the last, which the curve ends with.
+    return motion.space, repr(np.column_stack([knots.x[:-1], knots.c[-1]]).tolist())
 
 
 def second_table(content: bytes, value: tuple[str, str]) -> str:
@@ -185,11 +190,9 @@ def second_table(content: bytes, value: tuple[str, str]) -> str:
         return f"its columns are {head}"
     if any(len(row) != len(head) for row in rows):
         return "its rows are not of one length"
-    theirs = [[float(row[head.index(name)]) for name in columns] for row in rows[1:]]
+    theirs = [[float(row[head.index(name)]) for name in columns] for row in rows[1:-1]]
     ours = json.loads(value[1])
-    # What is read is asked of the curve through it, which rounds by its largest number.
-    allowed = 1e-9 * (1.0 + np.abs(theirs).max(initial=0.0))
-    if np.shape(ours) == np.shape(theirs) and np.allclose(ours, theirs, rtol=1e-9, atol=allowed):
+    if ours == theirs:
         return ""
     return f"there is {theirs}, and here is {ours}"
 
@@ -276,6 +279,25 @@ def _other(given: Any, read: Any, path: str) -> str:
     return "" if given == read else f"{path} is {given!r:.60}, and {read!r:.60} was read"
 
 
+@functools.cache
+def _study() -> bytes:
+    """Return the file of a study whose metrics are invented."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "study.sqlite")
+        with StudyFile(path, {"duration": Run().duration}).adding() as additions:
+            runs = grid(controller=["t1", "pd"], snr_db=20.0, seed=range(4))
+            additions.add(
+                (run, {name: run.seed + 0.1 * k for k, name in enumerate(METRICS)}) for run in runs
+            )
+        return path.read_bytes()
+
+
+def _rows(path: Path) -> str:
+    with suppress(FileNotFoundError):
+        path.with_name(f"{path.name}-journal").unlink()
+    return repr([str(row) for row in StudyFile(path).rows()])
+
+
 def _text(language: Language) -> Callable[[bytes, np.random.Generator], Mutant]:
     return lambda seed, rng: text_mutants.changed(seed.decode(), language, rng)
 
@@ -316,6 +338,14 @@ def robot_readers() -> tuple[Reader | Crossed, ...]:
             change=_untold(_text(TABLE)),
             read=_spline,
             second=second_table,
+        ),
+        one(
+            "study",
+            ".sqlite",
+            seeds=(_study(),),
+            # Rows, and what is said of all of them, have checksums.
+            change=lambda seed, rng: byte_mutants.damaged(seed, rng, SAME),
+            read=_rows,
         ),
         one("obj", ".obj", seeds=(OBJECT.encode(),), change=_untold(_text(MESH)), read=_mesh),
         one("stl", ".stl", seeds=(_binary_stl(),), change=byte_mutants.damaged, read=_mesh),

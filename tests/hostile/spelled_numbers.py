@@ -26,7 +26,10 @@ SPELLINGS: dict[str, tuple[Callable[[str], str], str]] = {
     "slightly more": (lambda text: repr(float(text) + 1e-9 * (abs(float(text)) + 1.0)), OTHER),
     "capital": (lambda text: f"{text}E0" if "e" not in text.lower() else text, SAME),
     "point": (lambda text: f"{text}." if text.isdigit() else text, SAME),
-    "more digits": (lambda text: f"{text}000000000000" if "." in text else text, SAME),
+    "more digits": (
+        lambda text: f"{text}000000" if "." in text and "e" not in text.lower() else text,
+        SAME,
+    ),
     "zero before": (lambda text: f"0{text}" if text.isdigit() else text, SAME),
     "plus": (lambda text: text if text[:1] in "+-" else f"+{text}", SAME),
     "underscore": (lambda text: f"{text}_0", NONE),

@@ -16,7 +16,7 @@ from tests.hostile.robot_readers import robot_readers
 COUNT = int(os.environ.get("MUTANTS", "40"))
 """Mutants of each reader."""
 
-OF_FEW_WORDS = ("result", "stl")
+OF_FEW_WORDS = ("result", "stl", "study")
 """Readers of files in which nearly every change is a damage."""
 
 

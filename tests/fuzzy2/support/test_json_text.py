@@ -37,6 +37,7 @@ def test_whatever_json_writes_is_read(value: object) -> None:
         ("[-Infinity]", "$", "-Infinity is not a number of JSON"),
         ("[" * 100_000, "$", "is nested too deeply"),
         ('{"a":' * 100_000 + "1" + "}" * 100_000, "$", "is nested too deeply"),
+        ('{"a\\ud800": 1}', "$", "has half of a pair of characters, '\\ud800'"),
         ("1" * 5000, "$", "Exceeds the limit"),
         ("", "line 1, column 1", "Expecting value"),
     ],
