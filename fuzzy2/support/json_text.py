@@ -28,7 +28,8 @@ def parse_json(text: str, source: str = "document") -> Any:
     ------
     MalformedFile
         If it is not JSON (``place`` is the line and column), or is nested too deeply, has a number
-        that JSON has no word for, has half of a surrogate pair in a string, or gives a name twice (``place`` is the path).
+        that JSON has no word for, has half of a surrogate pair in a string, or gives a name twice
+        (``place`` is the path).
     """
     try:
         document = json.loads(
