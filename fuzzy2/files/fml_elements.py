@@ -100,9 +100,9 @@ class FmlElements(Source):
 
     def _check_attributes(self, element: Element) -> None:
         """Refuse what would be passed over: a misspelled weight is no weight."""
-        known = ATTRIBUTES.get(element.name)
         # An element of another name is refused where it stands.
-        for name in element.attributes if known is not None else ():
+        known = ATTRIBUTES.get(element.name, tuple(element.attributes))
+        for name in element.attributes:
             if name not in known:
                 raise self.malformed(
                     element.line, unknown_name(f"attribute of <{element.name}>", name, known)

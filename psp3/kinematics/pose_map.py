@@ -18,7 +18,6 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzy2.support.json_text import parse_json
 from fuzzy2.support.text_files import read_text, write_text
 from psp3.checks import Array
 from psp3.errors import InvalidArray, InvalidMapFile, InvalidValue, UnknownName
@@ -189,12 +188,16 @@ class KinematicMap:
             If the file is missing, or is not a whole map of this version.
         """
         try:
-            content = parse_json(read_text(path), str(path))
+            content = json.loads(read_text(path), parse_constant=_refuse_constant)
         except OSError as error:
             raise InvalidMapFile(path, f"cannot be read ({error.strerror or error})") from error
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise InvalidMapFile(path, f"is not JSON ({error})") from error
         return cls(**_Reader(path).fields(content))
+
+
+def _refuse_constant(name: str) -> NoReturn:
+    raise ValueError(f"{name} is not a number of JSON")
 
 
 def _written(array: Array) -> list[Any]:
