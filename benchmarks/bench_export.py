@@ -3,7 +3,8 @@
 Run by ``make bench``; it needs a compiler of C (``gcc``).
 
 Each function is compiled as its Makefile does, with ``-O2``, and runs over the inputs of its test,
-in turns with the call from Python over the same inputs, in processor time. fuzzylite takes part
+in turns with the call from Python over the same inputs, in processor time. Robots go round a motion
+that they can make, in C and in Python each from the pose of the call before. fuzzylite takes part
 where its library can be linked (Debian's ``libfuzzylite-dev`` and ``g++``): it reads the type-1
 systems as FLL, and by how much it answers otherwise is printed (it passes over rules that fire by
 less than 1e-6, which some of the inputs, far outside, are made of).
@@ -18,7 +19,7 @@ import statistics
 import subprocess
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -28,10 +29,11 @@ from timing import environment, write_results
 
 import fuzzy2
 import psp3
-from fuzzy2.export.project import inputs_of
+from fuzzy2.export.project import CASES, inputs_of, write_project
 from fuzzy2.export.project_calls import short_name
 from fuzzy2.support.checks import Array
 from psp3.export import typical_inputs
+from psp3.export.face import c_code
 from psp3.export.project import export_project
 from psp3.trajectories.motion import Motion
 
@@ -40,6 +42,10 @@ SAMPLE = 0.05
 """Seconds of a sample, about."""
 
 LIBRARY = "-lfuzzylite-static"
+
+ROBOTS = ("psp3", "five_bar", "delta", "gough_stewart", "hexa")
+PERIOD = 2.0
+"""Of the motion of a robot [s]; from one of its states to the next are 10 ms."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +57,8 @@ class Contender:
     function: str
     calls: list[Callable[[], object]]
     fll: str | None = None
+    inputs: Mapping[str, Array] | None = None
+    """What C is called with, where it is not what the test of its folder has."""
 
 
 def systems() -> dict[str, Any]:
@@ -120,12 +128,38 @@ def of_controllers() -> list[Contender]:
     return found
 
 
+def of_robots() -> list[Contender]:
+    """Return inverse and forward dynamics of robots, round a motion that they can make."""
+    found = []
+    for name in ROBOTS:
+        robot = psp3.load(name)
+        motion = psp3.trajectories.Sway(robot=robot, period=PERIOD)(
+            np.linspace(0.0, PERIOD, CASES, endpoint=False)
+        )
+        q, v, a = motion.positions, motion.speeds, motion.accelerations
+        forces = robot.inverse_dynamics(q, v, a)
+        inputs = {"positions": q, "heights": q, "speeds": v, "accelerations": a, "forces": forces}
+        for function, third in (("inverse_dynamics", a), ("forward_dynamics", forces)):
+            ask, last = getattr(robot, function), robot.last_pose()
+            calls: list[Callable[[], object]] = [
+                lambda ask=ask, last=last, rows=rows: ask(*rows, guess=last)
+                for rows in finite(q, v, third)
+            ]
+            title = f"{function.replace('_', ' ')}, {name}"
+            found.append(Contender(title, robot, function, calls, inputs=inputs))
+    return found
+
+
 class Timed:
     """A contender's program in C, and fuzzylite's where it takes part."""
 
     def __init__(self, contender: Contender, folder: Path) -> None:
         self.contender, self.folder = contender, folder
-        code = export_project(contender.thing, folder, name="step")
+        if contender.inputs is None:
+            code = export_project(contender.thing, folder, name="step")
+        else:
+            code = c_code(contender.thing, name="step", functions=[contender.function])
+            write_project(code, folder, contender.inputs)
         names = [short_name(code, function) for function in code.functions]
         self.number = names.index(contender.function)
         flags = ["-std=c99", "-O2", "-ffp-contract=off", "-I", "."]
@@ -195,8 +229,8 @@ class Timed:
         return spent / count * 1e9
 
 
-def measured(timed: Timed, rounds: int) -> dict[str, float]:
-    """Return medians of samples in turns, in microseconds, by who computes."""
+def measured(timed: Timed, rounds: int) -> dict[str, list[float]]:
+    """Return samples in turns, in microseconds, by who computes."""
     ways: dict[str, Callable[[], float]] = {
         "C": lambda: timed.c(timed.rounds["C"]),
         "Python": timed.python,
@@ -207,7 +241,14 @@ def measured(timed: Timed, rounds: int) -> dict[str, float]:
     for _ in range(rounds):
         for name, way in ways.items():
             samples[name].append(1e-3 * way())
-    return {name: statistics.median(values) for name, values in samples.items()}
+    return samples
+
+
+def ratio(samples: dict[str, list[float]], name: str) -> dict[str, float]:
+    """Return how many times as long as C somebody takes: median of the turns, and quartiles."""
+    turns = np.divide(samples[name], samples["C"])
+    low, middle, high = np.quantile(turns, [0.25, 0.5, 0.75])
+    return {"median": float(middle), "low": float(low), "high": float(high)}
 
 
 def main() -> None:
@@ -222,23 +263,29 @@ def main() -> None:
         print("nothing is measured: there is no gcc (apt-get install gcc)")
         return
     versions = environment("numpy", "numba", "pin")
-    print(f"medians of {arguments.rounds} samples ({', '.join(map(' '.join, versions.items()))})\n")
+    said = ", ".join(map(" ".join, versions.items()))
+    print(f"medians of {arguments.rounds} samples, quartiles of ratios ({said})\n")
     print(f"{'one call [µs]':34s}{'C':>9s}{'Python':>9s}{'fuzzylite':>11s}   in times of C")
     results: dict[str, dict[str, float]] = {}
-    for contender in [*of_systems(), *of_controllers()]:
+    times_of_c: dict[str, dict[str, dict[str, float]]] = {}
+    for contender in [*of_systems(), *of_controllers(), *of_robots()]:
         with tempfile.TemporaryDirectory() as folder:
             timed = Timed(contender, Path(folder))
-            found = measured(timed, arguments.rounds)
+            samples = measured(timed, arguments.rounds)
             differs = timed.difference() if timed.peer else None
-        results[contender.name] = found
+        found = {name: statistics.median(values) for name, values in samples.items()}
+        ratios = {name: ratio(samples, name) for name in samples if name != "C"}
+        results[contender.name], times_of_c[contender.name] = found, ratios
         peer = f"{found['fuzzylite']:11.3f}" if "fuzzylite" in found else f"{'':11s}"
-        ratios = ", ".join(
-            f"{name} {found[name] / found['C']:.1f}" for name in found if name != "C"
+        shown = ", ".join(
+            f"{name} {r['median']:.1f} ({r['low']:.1f} to {r['high']:.1f})"
+            for name, r in ratios.items()
         )
-        print(f"{contender.name:34s}{found['C']:9.3f}{found['Python']:9.2f}{peer}   {ratios}")
+        print(f"{contender.name:34s}{found['C']:9.3f}{found['Python']:9.2f}{peer}   {shown}")
         if differs is not None:
             print(f"{'':34s}fuzzylite's outputs differ by at most {differs:.1e}")
-    write_results(arguments.out, {"versions": versions, "microseconds": results})
+    written = {"versions": versions, "microseconds": results, "times of C": times_of_c}
+    write_results(arguments.out, written)
 
 
 if __name__ == "__main__":

@@ -36,7 +36,7 @@ from psp3.description.parts import ROBOTS
 from psp3.export.project import export_project
 from tests.fuzzy2.export.kinds import KINDS as SYSTEMS
 from tests.fuzzy2.export.kinds import SLOW as SLOW_SYSTEMS
-from tests.psp3.export import test_controllers as controllers
+from tests.psp3.export import controllers_of_all_kinds as controllers
 
 KEPT = Path(__file__).with_name("single_precision.json")
 PAGE = KEPT.with_suffix(".md")
@@ -79,34 +79,42 @@ class Thing(NamedTuple):
     robot: str | None = None
 
 
+OF_ANY_ROBOT = (
+    *("PD", "PD of matrices", "PID", "PD with gravity", "feed-forward", "CTC", "LQR"),
+    "LQR along a path",
+)
+"""Controllers that are shown of a robot in closed form and of one whose loops are closed."""
+
+NOT_SHOWN = ("gt2 last, crisp outside", "C of M, it2", "C of M, corollary")
+"""What others that are shown are made of."""
+
+
 def things() -> dict[str, Thing]:
     """Return everything that can be exported, by name."""
     found = {name: Thing(ROBOT, partial(psp3.load, name)) for name in ROBOTS}
     for name in ("psp3", "delta"):
-        robot = controllers.ROBOTS[name]
-        for kind, make in controllers.CLASSICAL.items():
-            found[f"{kind} of {name}"] = Thing(CONTROLLER, partial(make, robot), name)
-    learned = [("psp3", kind) for kind in controllers.FUZZY]
-    learned += [("five_bar", kind) for kind in controllers.ANY]
-    for name, kind in learned:
-        make = partial(controllers.trained, name, kind)
-        found[f"learned, {kind}, of {name}"] = Thing(CONTROLLER, make)
+        for kind in OF_ANY_ROBOT:
+            found[f"{kind} of {name}"] = Thing(CONTROLLER, partial(_made, kind, name), name)
     for name in ("psp3", "five_bar"):
-        found[f"adaptive of {name}"] = Thing(CONTROLLER, partial(_adaptive, name))
+        for kind, one in controllers.FUZZY.items():
+            if name in one.robots and kind not in NOT_SHOWN:
+                make = partial(_made, kind, name)
+                found[f"learned, {kind}, of {name}"] = Thing(CONTROLLER, make)
+        found[f"adaptive of {name}"] = Thing(CONTROLLER, partial(_made, "adaptive, it2", name))
     for kind, make in (SYSTEMS | SLOW_SYSTEMS).items():
         found[kind] = Thing(SYSTEM, make)
     return found
 
 
-def _adaptive(name: str) -> Any:
-    """Return a controller that learns while it runs: by least squares, or by Slotine and Li."""
-    return psp3.AdaptiveFuzzyComputedTorque(controllers.trained(name, "it2"))
+def _made(kind: str, name: str) -> Any:
+    """Return a controller of a kind, of a robot."""
+    return controllers.KINDS[kind].make(controllers.robot_of(name))
 
 
 def measured(thing: Thing, made: Any) -> list[dict[str, Any]]:
     """Return for each function how far its answers in single precision are from Python's."""
     export: Any = export_system if thing.heading == SYSTEM else export_project
-    options = {} if thing.robot is None else {"robot": controllers.ROBOTS[thing.robot]}
+    options = {} if thing.robot is None else {"robot": controllers.robot_of(thing.robot)}
     with tempfile.TemporaryDirectory() as name:
         code = export(made, name, precision="single", name="tried", **options)
         said = _answers(Path(name))

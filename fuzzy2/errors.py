@@ -109,6 +109,17 @@ class NotExportable(Fuzzy2Error, ValueError):
         super().__init__(f"{what} cannot be written in C: {why}; give {remedy}")
 
 
+class FileInTheWay(Fuzzy2Error, ValueError):
+    """A file that nobody but its user may change is where another is to be written."""
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+        super().__init__(
+            f"{path} is there, and is not as an export left it; nothing was written: move or "
+            "delete it, or name another folder"
+        )
+
+
 class TooManyEmbeddedSets(Fuzzy2Error, ValueError):
     """An enumeration of embedded sets would not end in reasonable time."""
 

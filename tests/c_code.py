@@ -44,6 +44,7 @@ int main(void)
     int round, i, done = 0;
     for (round = 0; round < {rounds}; round++) {{
         double scale = round % 3 == 0 ? 0.01 : round % 3 == 1 ? 0.2 : 2.0;
+        scale = round % 20 == 7 ? NAN : round % 20 == 14 ? 1e30 : scale;
 {calls}
     }}
     printf("%d\\n", done);
@@ -53,11 +54,17 @@ int main(void)
 
 
 def checked_at_run_time(
-    code: CCode, folder: Path, compiler: str, centers: dict[str, Array], rounds: int = 300
+    code: CCode,
+    folder: Path,
+    compiler: str,
+    centers: dict[str, Array],
+    rounds: int = 300,
+    optimized: str = "-O2",
 ) -> None:
     """Call all functions with random numbers, with the sanitizers of addresses and of the rest.
 
-    Arguments are about their centers, or about zero. Each array has exactly its size.
+    Arguments are about their centers, or about zero; some are huge or no numbers. Each array has
+    exactly its size. Warnings are errors.
     """
     code.write(folder)
     item, arrays, calls = code.precision.type, [], []
@@ -91,7 +98,8 @@ def checked_at_run_time(
         encoding="utf-8",
     )
     program = folder / f"main.{compiler}"
-    command = [compiler, *FLAGS, "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+    sanitizers = "-fsanitize=address,undefined,float-cast-overflow"
+    command = [compiler, *FLAGS, optimized, "-g", sanitizers, "-fno-sanitize-recover=all"]
     made = subprocess.run(
         [*command, "-o", str(program), str(main), "-lm"], capture_output=True, text=True
     )

@@ -12,7 +12,6 @@ import re
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -27,7 +26,12 @@ from tests.c_loops import Code
 from tests.fuzzy2.export.kinds import KINDS as SYSTEMS
 from tests.fuzzy2.export.kinds import SLOW
 from tests.fuzzy2.export.test_translator import WHILE
-from tests.psp3.export import test_controllers as controllers
+from tests.psp3.export.controllers_of_all_kinds import (
+    CLASSICAL,
+    KINDS,
+    made,
+    robot_of,
+)
 from tests.psp3.export.robots_of_all_kinds import MAKERS, some_frames
 
 pytestmark = pytest.mark.filterwarnings("ignore::fuzzy2.ApproximationWarning")
@@ -40,30 +44,17 @@ REASONS = WHILE | {
 """Functions with loops whose ends are not derived, and why these end all the same."""
 
 
-def _adaptive(name: str) -> Any:
-    return psp3.AdaptiveFuzzyComputedTorque(controllers.trained(name, "it2"))
+def _code_of_controller(kind: str, name: str) -> CCode:
+    return c_code(made(kind, name), robot=robot_of(name))
 
 
 def _controllers() -> dict[str, Callable[[], CCode]]:
-    """Return the code of a controller of each kind, with and without loops to close."""
-
-    def code(make: Callable[[], Any], name: str) -> CCode:
-        return c_code(make(), robot=controllers.ROBOTS[name])
-
-    found = {}
-    for name in ("psp3", "delta"):
-        for kind, make in controllers.CLASSICAL.items():
-            made = functools.partial(make, controllers.ROBOTS[name])
-            found[f"{kind} of {name}"] = functools.partial(code, made, name)
-    learned = [("psp3", kind) for kind in controllers.FUZZY]
-    for name, kind in [*learned, *(("five_bar", kind) for kind in controllers.ANY)]:
-        made = functools.partial(controllers.trained, name, kind)
-        found[f"{kind} of {name}"] = functools.partial(code, made, name)
-    for name in ("psp3", "five_bar"):
-        found[f"adaptive of {name}"] = functools.partial(
-            code, functools.partial(_adaptive, name), name
-        )
-    return found
+    """Return the code of a controller of each kind, on two robots."""
+    return {
+        f"{kind} of {name}": functools.partial(_code_of_controller, kind, name)
+        for kind, one in KINDS.items()
+        for name in one.robots[: 2 if kind in CLASSICAL else 1]
+    }
 
 
 CONTROLLERS = _controllers()

@@ -74,7 +74,7 @@ UnreachableTip UnsupportedJoint UnusableEstimate
     "fuzzy2.errors": """
         CompletedRules \
         ApproximationWarning FeatureNamesWarning Fuzzy2Error InvalidRule InvalidValue \
-MalformedFile NotApplicable NotExportable NotExpressible RaisedOnPurpose
+FileInTheWay MalformedFile NotApplicable NotExportable NotExpressible RaisedOnPurpose
         NotFitted NotNumbers TooManyEmbeddedSets UnknownName UnsupportedRule WrongFeatures
     """,
     "fuzzy2.plots": """

@@ -16,10 +16,10 @@ from fuzzy2.errors import InvalidValue
 from fuzzy2.export import project_calls
 from fuzzy2.export.c_code import CCode
 from fuzzy2.export.project_cases import CASES, Cases, drawn
+from fuzzy2.export.project_files import replace_files
 from fuzzy2.export.project_readme import readme
 from fuzzy2.export.systems import c_code_of, system_of
 from fuzzy2.support.checks import Array
-from fuzzy2.support.text_files import write_text
 from fuzzy2.systems.anya import AnYaSystem
 from fuzzy2.systems.parallel import ParallelSystem
 
@@ -38,6 +38,9 @@ CPUS = {
 def write_project(code: CCode, folder: str | Path, inputs: Mapping[str, Array]) -> list[Path]:
     """Write code with a program, a test, a Makefile and a README, and return all files.
 
+    What an export before left in the folder is replaced, see
+    :mod:`fuzzy2.export.project_files`.
+
     Parameters
     ----------
     code : CCode
@@ -53,11 +56,12 @@ def write_project(code: CCode, folder: str | Path, inputs: Mapping[str, Array]) 
     ------
     InvalidValue
         If the code has the name of a file that is not the code's, or an argument has no inputs.
+    FileInTheWay
+        If the folder has a file of one of the names that no export left there as it is.
     """
     if code.name in RESERVED:
         wanted = f"none of {', '.join(RESERVED)}, which are names of files around the code"
         raise InvalidValue("name", code.name, wanted)
-    where = Path(folder)
     cases = Cases(code, inputs)
     texts = {
         "calls.h": project_calls.header(code),
@@ -69,10 +73,8 @@ def write_project(code: CCode, folder: str | Path, inputs: Mapping[str, Array]) 
     for name in ("main.c", "test.c", "Makefile", "stack.awk"):
         text = (TEMPLATES / name).read_text(encoding="utf-8")
         texts[name] = text.replace("@NAME@", code.name).replace("@CPU@", CPUS[code.precision.name])
-    where.mkdir(parents=True, exist_ok=True)
-    for name, text in texts.items():
-        write_text(text, where / name)
-    return [*code.write(where), *(where / name for name in texts)]
+    texts |= {f"{code.name}.h": code.header, f"{code.name}.c": code.source}
+    return replace_files(texts, Path(folder))
 
 
 def export_project(
@@ -95,6 +97,8 @@ def export_project(
     ------
     NotExportable, NotFitted, InvalidValue, UnknownName
         As :func:`fuzzy2.export_c` does.
+    FileInTheWay
+        As :func:`write_project` does.
     """
     code = c_code_of(system, precision=precision, name=name)
     write_project(code, folder, {"x": inputs_of(system)})

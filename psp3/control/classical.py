@@ -77,7 +77,11 @@ def _gain(name: str, value: float | ArrayLike) -> float | Array:
 
 
 def _times(gain: float | Array, error: Array) -> Array:
-    product: Array = gain @ error if isinstance(gain, np.ndarray) else gain * error
+    if not isinstance(gain, np.ndarray):
+        return gain * error
+    if len(gain) != len(error):
+        raise InvalidArray("gain", f"({len(error)}, {len(error)}) of {len(error)} commanded", gain)
+    product: Array = gain @ error
     return product
 
 

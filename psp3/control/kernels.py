@@ -12,6 +12,7 @@ from fuzzy2.support.compiled import compiled
 from psp3.checks import Array
 from psp3.control.controller import Widths, steer
 from psp3.dynamics.compiled_robot import allocate, write_forces
+from psp3.errors import InvalidArray
 
 FEED_FORWARD, PD, GRAVITY_COMPENSATED_PD, COMPUTED_TORQUE = range(4)
 """What is asked of the model: the forces of the desired motion; nothing; gravity at the present
@@ -78,6 +79,8 @@ def classical(
     def gains(gain: ArrayLike) -> Array:
         full = np.asarray(gain, dtype=np.float64)
         full = full * unit if full.ndim == 0 else full
+        if full.shape[-2:] != (wanted, wanted):
+            raise InvalidArray("gain", f"({wanted}, {wanted}) of {wanted} commanded", gain)
         return np.ascontiguousarray(full.reshape(-1, wanted * wanted))
 
     none = np.empty((0, (n * (n + 1)) // 2 + n * n + n))
@@ -194,8 +197,9 @@ def classical_step(
             if k == speeds.size and k == positions.size:
                 a, v = desired[:k], desired[k : 2 * k]
             else:
-                a, v = np.empty(positions.size), np.empty(speeds.size)
-                _write_desired(desired, positions, speeds, a, v)
+                whole, rates = np.empty(positions.size), np.empty(speeds.size)
+                _write_desired(desired, positions, speeds, whole, rates)
+                a, v = whole, rates
         elif kind == COMPUTED_TORQUE:
             v, w = speeds, feedback
         if not write_forces(model, a, v, w, out):

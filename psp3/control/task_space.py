@@ -39,27 +39,27 @@ Control Conference (2019), for corrections that keep a quantity positive.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, checked_not_negative
 from psp3.closure.rank import RANK_TOLERANCE
+from psp3.control.controller import SaysNothing, Widths, widths_of
+from psp3.control.task_space_kernels import (
+    FIRST_DIFFERENCE,
+    FLOOR,
+    SECOND_DIFFERENCE,
+    TaskLaw,
+)
 from psp3.dynamics.dynamics_model import ForcesOfMotions
 from psp3.errors import InvalidValue
 from psp3.kinematics.frames import FrameMotion, frame_motion
 from psp3.kinematics.task_space import TaskSpace, square_task
-from psp3.kinematics.tasks import characteristic_length, rotating
+from psp3.kinematics.tasks import characteristic_length, checked_motors, rotating
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from psp3.trajectories.motion import Motion
-
-FLOOR = 0.25
-"""Share of the threshold above which the smallest singular value is kept."""
-
-STEP = 1e-5
-"""Step of the differences by which the smallest singular value is differentiated, as a share of the
-robot's length.
-"""
 
 
 def damped_reciprocals(singular_values: ArrayLike, threshold: float) -> Array:
@@ -92,7 +92,7 @@ def damped_reciprocals(singular_values: ArrayLike, threshold: float) -> Array:
     return damped
 
 
-class TaskSpaceComputedTorque:
+class TaskSpaceComputedTorque(SaysNothing):
     r"""Computed torque on a frame.
 
     The model makes the robot a unit mass in the coordinates of the task.
@@ -119,7 +119,7 @@ class TaskSpaceComputedTorque:
         The frame.
     task : sequence of str
         Coordinates of the frame, see :class:`psp3.kinematics.task_space.TaskSpace`; as many as the
-        robot has motors.
+        robot has coordinates. More motors than that share the forces.
     damped_below : float
         Threshold :math:`\varepsilon`, as a share of the smallest singular value in the reference
         pose: below 1, and 0 for the plain inverse. Angles are made lengths with
@@ -131,8 +131,8 @@ class TaskSpaceComputedTorque:
     ------
     InvalidValue
         If a gain is negative or not finite, the threshold is not within [0, 1), the task has not as
-        many coordinates as the robot has motors, or they do not determine its pose at the reference
-        pose.
+        many coordinates as the robot, or they do not determine its pose at the reference pose, or
+        some of the robot's coordinates follow its motors.
     UnknownName
         If the robot has no such frame, or there is no such coordinate.
     """
@@ -157,7 +157,7 @@ class TaskSpaceComputedTorque:
                 damped_below,
                 "a share of the reference pose's singular value, below 1",
             )
-        self.space = square_task(robot, frame, task)
+        self.space = square_task(checked_motors(robot), frame, task)
         self._scaled = _ScaledJacobian(self.space)
         self.threshold = share * self._scaled.at_reference
         r"""The singular value :math:`\varepsilon` below which the inverse is damped."""
@@ -186,6 +186,25 @@ class TaskSpaceComputedTorque:
         servo += self.kp * self.space.error(goal.placement, now.placement) - now.drift
         return self._forces_of(
             positions, speeds, self._accelerations(positions, speeds, now.jacobian, servo)
+        )
+
+    def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
+        """Return the controller as the compiled loop takes it, or None, see :func:`steer`.
+
+        A path of its own is Python's. Kernels close the loops of any robot by Newton's method.
+        """
+        is_other = type(self) is not TaskSpaceComputedTorque
+        if is_other or self.path is not None or widths_of(self.robot) != widths:
+            return None
+        if self.robot.compiled_table() is None:
+            return None
+        model: Any = self.robot.dynamics("core")
+        scaled = self._scaled
+        return TaskLaw(
+            *(self.kp, self.kv, self.threshold, scaled.sign, scaled.length),
+            model.frame_table(self.space.frame),
+            *(np.array(self.space.rows), max(self.space.rows) > 2),
+            *(scaled.rows, scaled.columns, model.compiled_table()),
         )
 
     def _accelerations(
@@ -241,12 +260,12 @@ class _ScaledJacobian:
 
     def __init__(self, space: TaskSpace) -> None:
         robot, self._space = space.robot, space
-        self._length = characteristic_length(robot)
-        self.rows = np.array([self._length if row >= 3 else 1.0 for row in space.rows])
-        self.columns = np.where(rotating(robot.model)[robot.actuated_v], self._length, 1.0)
+        self.length = characteristic_length(robot)
+        self.rows = np.array([self.length if row >= 3 else 1.0 for row in space.rows])
+        self.columns = np.where(rotating(robot.model)[robot.coordinates_v], self.length, 1.0)
         jacobian = self._at(robot.reference)
         values = np.linalg.svd(jacobian, compute_uv=False)
-        self.at_reference, self._sign = float(values[-1]), float(np.sign(np.linalg.det(jacobian)))
+        self.at_reference, self.sign = float(values[-1]), float(np.sign(np.linalg.det(jacobian)))
         if not self.at_reference > RANK_TOLERANCE * values[0]:
             raise InvalidValue(
                 "task",
@@ -265,7 +284,7 @@ class _ScaledJacobian:
         """
         jacobian = self._at(positions)
         return float(
-            self._sign
+            self.sign
             * np.sign(np.linalg.det(jacobian))
             * np.linalg.svd(jacobian, compute_uv=False)[-1]
         )
@@ -275,7 +294,7 @@ class _ScaledJacobian:
 
         The latter at the given scaled speeds.
         """
-        step, value = STEP * self._length, self.smallest(positions)
+        step, value = FIRST_DIFFERENCE * self.length, self.smallest(positions)
         gradient = np.array(
             [
                 (self.smallest(positions + unit) - self.smallest(positions - unit)) / (2.0 * step)
@@ -285,8 +304,7 @@ class _ScaledJacobian:
         fastest = float(np.linalg.norm(speeds))
         if fastest == 0.0:
             return value, gradient, 0.0
-        # Ten times as far: a second difference loses twice the digits.
-        time = 10.0 * step / fastest
+        time = SECOND_DIFFERENCE * self.length / fastest
         way = time * speeds / self.columns
         curvature = (
             self.smallest(positions + way) - 2.0 * value + self.smallest(positions - way)

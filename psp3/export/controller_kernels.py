@@ -194,8 +194,8 @@ def reset_regulation(controller: Any, wires: Wires, reference: Array) -> None:
     _copied(reference, controller.model.memory)
 
 
-def reset_learned(controller: Any, wires: Wires, reference: Array) -> None:
-    """Start in the reference pose where the exact model has loops to close."""
+def reset_model(controller: Any, wires: Wires, reference: Array) -> None:
+    """Start in the reference pose where a model has loops to close, and remembers nothing else."""
     _reset_wires(wires)
     if reference.size > 0:
         _copied(reference, controller.model.memory)

@@ -18,6 +18,7 @@ from fuzzy2.export.c_code import Argument, CCode, CWriter, Known, Mixed
 from fuzzy2.export.systems import without_shapes
 from psp3.checks import Array, checked_count, checked_positive, one_or_each
 from psp3.control.controller import Widths, widths_of
+from psp3.control.feedback import check_feedback
 from psp3.control.kernels import (
     COMPUTED_TORQUE,
     FEED_FORWARD,
@@ -26,6 +27,7 @@ from psp3.control.kernels import (
     Classical,
 )
 from psp3.control.linear_quadratic_kernels import Regulation
+from psp3.control.task_space_kernels import TaskLaw
 from psp3.errors import InvalidValue
 from psp3.export import controller_kernels as kernels
 from psp3.export import robot_text, single
@@ -42,7 +44,8 @@ from psp3.version import __version__
 KINDS: dict[type, tuple[Any, Any, tuple[str, ...]]] = {
     Classical: (kernels.reset_classical, kernels.step, ()),
     Regulation: (kernels.reset_regulation, kernels.step, ()),
-    FuzzyRun: (kernels.reset_learned, kernels.learned_step, ("_estimate",)),
+    TaskLaw: (kernels.reset_model, kernels.step, ()),
+    FuzzyRun: (kernels.reset_model, kernels.learned_step, ("_estimate",)),
     Adaptive: (kernels.reset_adaptive, kernels.learned_step, ()),
     SlotineLi: (kernels.reset_slotine_li, kernels.learned_step, ("_write_basis",)),
 }
@@ -102,7 +105,8 @@ def code_of(
     fuzzy2.errors.NotExportable
         If the controller has no table.
     InvalidValue
-        If a limit or a period is not positive, or a resolution is negative.
+        If a limit or a period is not positive, or a resolution is negative; or, as of
+        :func:`psp3.simulate`, if forces along coordinates are none of the robot's motors.
     """
     if isinstance(thing, str | Path):
         if not str(thing).endswith(".json"):
@@ -132,6 +136,7 @@ def _exported(controller: Any, robot: Any) -> Exported:
         robot = robot_of(controller)
     if robot is None:
         raise NotExportable(title, "it does not know its robot", "the robot: robot=...")
+    check_feedback(robot, controller)
     widths = widths_of(robot)
     controller.reset()
     table = controller.table(NO_MODEL, widths) if hasattr(controller, "table") else None
@@ -218,7 +223,7 @@ def _arguments(exported: Exported) -> list[Argument]:
         ),
         Argument("torque", f"forces of the motors {_force_units(exported)}", m, "out"),
     ]
-    if isinstance(exported.table, Classical | Regulation):
+    if isinstance(exported.table, Classical | Regulation | TaskLaw):
         return arguments
     flags = f"whether the inputs were in the trained range; whether {_FELL}"
     return [
@@ -275,12 +280,12 @@ _REMEMBERED = {
 def _states_of_wires(wires: kernels.Wires) -> dict[str, Argument]:
     """Return the arrays of what lies between that are remembered."""
     words = {
-        "last": "positions that the encoders read last",
-        "queue": "forces on their way",
-        "calls": "whether there was a call",
+        "last": ("counted", "positions that the encoders read last"),
+        "queue": ("queue", "forces on their way"),
+        "calls": ("calls", "whether there was a call"),
     }
-    arrays = ((name, getattr(wires, name), about) for name, about in words.items())
-    return {name: _state(name, about, array) for name, array, about in arrays if array.size}
+    arrays = ((name, getattr(wires, name), *about) for name, about in words.items())
+    return {name: _state(said, about, array) for name, array, said, about in arrays if array.size}
 
 
 def _state(name: str, about: str, array: Array) -> Argument:
@@ -304,7 +309,9 @@ def _iterations(table: Any) -> list[str]:
     model: Any = getattr(table, "model", None)
     if not hasattr(model, "memory"):
         return []
-    return [robot_text.bound_of_time(int(model.tree[GROUPS]), MOST_ATTEMPTS)]
+    # On a frame: where it is to be and where it is, differences about that, and the forces.
+    poses = 2 * table.rows.size + 6 if isinstance(table, TaskLaw) else 1
+    return [robot_text.bound_of_time(poses * int(model.tree[GROUPS]), MOST_ATTEMPTS)]
 
 
 def _about(exported: Exported) -> list[str]:
@@ -328,6 +335,8 @@ def _law(exported: Exported) -> list[str]:
         return [_regulator_law(table)]
     if isinstance(table, Classical):
         return [_classical_law(table, exported.widths.commanded)]
+    if isinstance(table, TaskLaw):
+        return [_task_law(exported)]
     return [_learned_law(exported), _range(exported)]
 
 
@@ -369,6 +378,18 @@ def _regulator_law(table: Regulation) -> str:
         return f"{law},\nwith gains that change every {table.gain_period:g} s, {samples} times"
     rows = table.gains.reshape(k, -1).tolist()
     return f"{law}, e = desired - found\nK = {[[float(f'{g:.6g}') for g in row] for row in rows]}"
+
+
+def _task_law(exported: Exported) -> str:
+    controller, table = exported.controller, exported.table
+    return (
+        f"torque that gives {', '.join(controller.space.task)} of the frame "
+        f"{controller.space.frame!r} the accelerations\n"
+        f"x_d'' + kv e' + kp e, e = x_d - x, kp = {table.kp:g} 1/s^2, kv = {table.kv:g} 1/s, where "
+        "the desired\nmotion of the coordinates takes it. Near singular poses it stops short: "
+        f"the smallest singular\nvalue of the Jacobian is kept above a quarter of "
+        f"{table.threshold:g}."
+    )
 
 
 def _learned_law(exported: Exported) -> str:

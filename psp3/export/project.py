@@ -91,6 +91,8 @@ def export_project(
     ------
     fuzzy2.errors.NotExportable
         If there is no C for it.
+    fuzzy2.errors.FileInTheWay
+        If the folder has a file of one of the names that no export left there as it is.
     """
     if hasattr(thing, "input_names"):
         return export_system(thing, folder, precision=precision, name=name or "system")

@@ -26,6 +26,18 @@ CODES = (
 )
 
 
+KINDS = {
+    "JointModelFreeFlyer": "position, then quaternion (x, y, z, w) of unit length; its speeds are "
+    "linear, then angular, in its own axes",
+    "JointModelPlanar": "position in a plane, then cosine and sine; its speeds are linear, then "
+    "angular, in its own axes",
+    "JointModelSpherical": "quaternion (x, y, z, w) of unit length; its speeds are angular, in its "
+    "own axes",
+}
+TURNS = "cosine and sine; its speed is angular"
+"""What the numbers of joints of several are."""
+
+
 def identifier(name: str) -> str:
     """Return a name as an identifier of C."""
     word = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")
@@ -81,6 +93,16 @@ def _entries(model: Any, joints: Sequence[str], of_speeds: bool) -> list[str]:
     return names
 
 
+def _kinds(model: Any, joints: Sequence[str]) -> str:
+    """Say what the numbers of joints of several coordinates are."""
+    named: dict[str, list[str]] = {}
+    for name in joints:
+        joint = model.joints[model.getJointId(name)]
+        if joint.nq > 1:
+            named.setdefault(KINDS.get(joint.shortname(), TURNS), []).append(name)
+    return "\n".join(f"{', '.join(names)}: {told}" for told, names in named.items())
+
+
 def numbered(title: str, names: Sequence[str]) -> str:
     """Return names with their places, a line each."""
     return "\n".join([f"{title}:", *(f"{k:3d}  {name}" for k, name in enumerate(names))])
@@ -100,10 +122,10 @@ def about(robot: Any, table: Any, most_attempts: int) -> list[str]:
     if len(robot.coordinates_q) != len(robot.coordinates_v):
         parts.append(
             numbered("Speeds, accelerations and forces", _entries(model, robot.coordinates, True))
-            + "\nA floating base has position and quaternion (x, y, z, w), of unit length, or in a"
-            "\nplane position, cosine and sine; its speeds are in its own axes."
         )
     parts.append(numbered("Coordinates of all joints, q", _entries(model, joints, False)))
+    if kinds := _kinds(model, joints):
+        parts.append(f"What they are:\n{kinds}")
     if tuple(robot.actuated) != tuple(robot.coordinates):
         parts.append(numbered("Motors", robot.actuated))
     parts.append("\n".join(CODES))

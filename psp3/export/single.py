@@ -39,14 +39,21 @@ rad].
 
 CONSTANTS: dict[str, float] = {
     "ALL_OF_THE_WAY": 1.0 - 1e-6,
+    "EARLY": 1e-2,
+    "FIRST_DIFFERENCE": 5e-3,
     "LEFT_OVER": 1e-4,
+    "ORTHOGONAL": 1e-6,
     "RANK": 1e-4,
+    "SECOND_DIFFERENCE": 2e-2,
     "SMALLEST_CORRECTION": 1e-5,
     "SMALLEST_PIVOT": 1e-4,
     "SMALLEST_STEP": 1e-4,
     "STILL": 1e-5,
 }
-"""Numbers of the kernels' modules that are others in single precision."""
+"""Numbers of the kernels' modules that are others in single precision. Steps of differences are the
+third and the fourth root of a rounding, and a bit: of what is differentiated they leave five digits
+and three.
+"""
 
 
 def numbers_of(table: Any, title: str) -> Array:

@@ -34,6 +34,11 @@ ADAPTED = 9
 
 TIME, SINCE_UPDATE, CALLED = range(3)
 
+EARLY = 1e-9
+"""Share of the time between updates by which one may come early, so that rounding does not wait for
+a period more.
+"""
+
 
 class Settings(NamedTuple):
     """Gains, and the times and the share that adaptation goes by.
@@ -190,8 +195,7 @@ def _observe(settings, rules, memory, heights, speeds, period, x, strengths, phi
 @compiled
 def _update(settings, rules, memory):
     """Solve the least-squares problem now and then, within reach of what was trained."""
-    # The small excess keeps rounding from waiting for one period more.
-    if memory.clock[SINCE_UPDATE] < (1.0 - 1e-9) * settings.update_period:
+    if memory.clock[SINCE_UPDATE] < (1.0 - EARLY) * settings.update_period:
         return
     memory.clock[SINCE_UPDATE] = 0.0
     solve_within(

@@ -20,6 +20,7 @@ from fuzzy2.learning.wang_mendel import LEARNERS as LEARNERS_OF_RULES
 from fuzzy2.learning.wang_mendel import WangMendel
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 from fuzzy2.sets.shapes import Gaussian
+from fuzzy2.systems.firing_kernels import HEADER, TERM
 from fuzzy2.systems.general_type2 import GeneralType2System
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 from psp3.checks import Array, Indices
@@ -380,6 +381,8 @@ def controller_table(
     for system, place in zip(systems, places, strict=True):
         assert system.table is not None
         table = np.ravel(system.table)
+        if kind == kernels.COROLLARY:
+            table = _terms_and_rules(table)
         shape = len(system.rules), len(place.columns), len(place.outputs)
         bases += [size, table.size, begun, *shape, *place.columns, *place.outputs]
         tables.append(table)
@@ -404,6 +407,16 @@ def controller_table(
         *(kind, gains[0], gains[1], outside, int(product)),
         *(np.ascontiguousarray(array, dtype=np.float64) for array in arrays),
     )
+
+
+def _terms_and_rules(table: Array) -> Array:
+    """Return the part of a system's table that the corollary reads, without its consequents.
+
+    These are among the moments; with ends, distances and orders they would be most of what a drive
+    must hold.
+    """
+    inputs, terms, rules = (int(count) for count in table[:3])
+    return table[: HEADER + TERM * terms + rules * inputs]
 
 
 def write_derived_coriolis(

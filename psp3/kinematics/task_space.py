@@ -119,15 +119,16 @@ class TaskSpace:
 
 
 def square_task(robot: ClosedLoopRobot, frame: str, task: Sequence[str]) -> TaskSpace:
-    """Return a task space with as many coordinates as the robot has motors.
+    """Return a task space with as many coordinates as the robot.
 
     Raise :class:`InvalidValue` if they are more or fewer.
     """
     space = TaskSpace(robot, frame, task)
-    if len(space.task) != len(robot.actuated):
+    if len(space.task) != len(robot.coordinates_v):
         raise InvalidValue(
             "task",
             space.task,
-            f"as many coordinates as the robot has motors, {len(robot.actuated)}",
+            f"as many coordinates as the robot, {len(robot.coordinates_v)}: it has "
+            f"{', '.join(robot.coordinates)}",
         )
     return space

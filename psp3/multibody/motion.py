@@ -162,14 +162,20 @@ def move_with(tree, memory, speeds):
 
 
 @scalar
-def _forces_of(tree, numbers, memory, accelerations, out):
-    """Write the independent forces of a motion, of which the velocities are there."""
+def accelerate_with(tree, numbers, memory, accelerations):
+    """Give all joints and elements the accelerations of independent ones; velocities are there."""
     change, rate = tree[AT_JOINT_ACCELERATIONS], tree[AT_ACCELERATIONS]
     independent_speeds(tree, memory, accelerations, change)
     change_of_joint_speeds(
         tree, numbers, memory, tree[AT_JOINT_SPEEDS], tree[AT_VELOCITIES], rate, change
     )
     add_change(tree, memory, change, rate)
+
+
+@scalar
+def _forces_of(tree, numbers, memory, accelerations, out):
+    """Write the independent forces of a motion, of which the velocities are there."""
+    accelerate_with(tree, numbers, memory, accelerations)
     joint_forces(tree, numbers, memory)
     projected(tree, memory, tree[AT_JOINT_FORCES], out)
 
@@ -274,7 +280,7 @@ def add_here(tree, memory, out, into):
 
 
 @scalar
-def _write_frame(tree, memory, frames, row, out, into):
+def write_frame(tree, memory, frames, row, out, into):
     """Write the placement of a frame in the base, and how it moves with each independent speed."""
     n, wide = tree[INDEPENDENT], 6 * (tree[ELEMENTS] + 1)
     if not place_frame(tree, memory, frames, row, out, into):
@@ -299,7 +305,7 @@ def answer_of_pose(question, tree, numbers, memory, second, third, row, out, int
     n, nv, nq, room = tree[INDEPENDENT], tree[VELOCITIES], tree[COORDINATES], tree[AT_ROOM]
     if question == FRAME:
         complement(tree, numbers, memory, 0.0)
-        _write_frame(tree, memory, third, row, out, into)
+        write_frame(tree, memory, third, row, out, into)
         return CLOSED
     if question <= COMPLEMENT:
         _copy(memory, tree[AT_CONFIGURATION], nq, out, into)

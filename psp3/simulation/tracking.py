@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from psp3.checks import Array, checked_count, checked_positive, one_or_each, one_row
 from psp3.collisions.motion import check_clearance
 from psp3.control.controller import Controller, widths_of
+from psp3.control.feedback import check_feedback
 from psp3.errors import InvalidTorque, InvalidValue, SimulationDiverged
 from psp3.robots.robot import Robot
 from psp3.simulation.kernels import LEFT_POSES, NO_FORCE, WHOLE
@@ -114,7 +115,7 @@ def simulate(
     steps = int(duration / period * (1.0 + 1e-12) + 1e-9)
     if steps < 1:
         raise InvalidValue("duration", duration, f"at least one period of {period} s")
-    _check_feedback(robot, controller)
+    check_feedback(robot, controller)
     m, k = len(robot.actuated), robot.commanded
     limit = None if torque_limit is None else one_or_each("torque_limit", torque_limit, m)
     if limit is not None and not (limit > 0.0).all():
@@ -269,23 +270,6 @@ class _Experiment:
         )
         time = float(track.t[k - 1]) + self._wiring.period
         return SimulationDiverged(message, time, *state, track.applied[k - 1], self._result(k))
-
-
-def _check_feedback(robot: Robot, controller: Controller) -> None:
-    """Refuse forces along coordinates where those of the motors are others.
-
-    Motors that are the first coordinates exert no force along the others.
-    """
-    if robot.drives_coordinates or not getattr(controller, "along_coordinates", False):
-        return
-    actuation = robot.actuation_matrix(robot.reference)
-    if actuation.shape[1] != robot.commanded or (actuation != np.eye(*actuation.shape)).any():
-        raise InvalidValue(
-            "controller",
-            type(controller).__name__,
-            "one that knows the robot, whose motors are not the first of its coordinates: give it "
-            "model=robot",
-        )
 
 
 def _tips(robot: Robot, positions: Array) -> Array:

@@ -115,7 +115,7 @@ class Sway(FourierSeries):
 def _phases(home: Array, lower: Array, upper: Array) -> Array:
     """Return the phases of the joints: away from the limit where one is at a limit."""
     phases = 2.0 * np.pi * np.arange(len(home)) / len(home)
-    near = AT_A_LIMIT * (upper - lower)
+    near = AT_A_LIMIT * _range(lower, upper)
     phases = np.where(np.isfinite(near) & (home - lower <= near), 0.0, phases)
     return np.where(np.isfinite(near) & (upper - home <= near), np.pi, phases)
 
@@ -123,8 +123,16 @@ def _phases(home: Array, lower: Array, upper: Array) -> Array:
 def _amplitudes(robot: Robot, home: Array, lower: Array, upper: Array) -> Array:
     """Return amplitudes that limits and size allow; whether the loops do is not looked at."""
     room = np.minimum(home - lower, upper - home)
-    at_a_limit = room <= AT_A_LIMIT * (upper - lower)
-    room = np.where(at_a_limit & np.isfinite(upper - lower), 0.5 * (upper - lower), room)
+    between = _range(lower, upper)
+    at_a_limit = room <= AT_A_LIMIT * between
+    room = np.where(at_a_limit & np.isfinite(between), 0.5 * between, room)
     size = robot_size(robot.model, robot.q0)
     turning = rotating(robot.model)[robot.coordinates_v[: len(home)]]
     return np.minimum(ROOM * room, LARGEST * np.where(turning, 1.0, size))
+
+
+def _range(lower: Array, upper: Array) -> Array:
+    """Return how far limits are from one another; the largest numbers are Pinocchio's for none."""
+    with np.errstate(over="ignore"):
+        between: Array = upper - lower
+    return between

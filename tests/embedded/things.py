@@ -55,10 +55,14 @@ def _general() -> list[Any]:
     return [fuzzy2.GaussianType2Set(principal=one, sigma=0.05) for one in _crisp()]
 
 
-def _controller() -> Any:
-    helix = psp3.trajectories.Helix(radius=0.020, period=2.0, rise=0.010)
-    robot = psp3.load("psp3")
-    return psp3.FuzzyComputedTorque("it2", robot, learner="average", mean_variation=0.35).fit(helix)
+def _controller(kind: str, **options: Any) -> Callable[[], Any]:
+    def trained() -> Any:
+        helix = psp3.trajectories.Helix(radius=0.020, period=2.0, rise=0.010)
+        robot = psp3.load("psp3")
+        given = {"learner": "average", "mean_variation": 0.35} | options
+        return psp3.FuzzyComputedTorque(kind, robot, **given).fit(helix)
+
+    return trained
 
 
 THINGS = {
@@ -67,11 +71,32 @@ THINGS = {
     "corollary": Thing(_corollary, "evaluate", "general type-2 by the corollary, the same"),
     "planes": Thing(_planes, "evaluate", "general type-2, 5 α-planes, the same"),
     "controller": Thing(
-        _controller,
+        _controller("it2"),
         "step",
         "computed torque of the 3-PSP, learned, interval type-2",
         flash=25_000,
         instructions=12_000,
+    ),
+    "controller_by_corollary": Thing(
+        _controller("gt2", reduction="gaussian"),
+        "step",
+        "the same, general type-2 by the corollary",
+        flash=25_000,
+        instructions=12_000,
+    ),
+    "controller_of_two_planes": Thing(
+        _controller("gt2", levels=2),
+        "step",
+        "the same, general type-2, 2 α-planes",
+        flash=25_000,
+        instructions=16_000,
+    ),
+    "controller_of_planes": Thing(
+        _controller("gt2"),
+        "step",
+        "the same, general type-2, 5 α-planes",
+        flash=25_000,
+        instructions=38_000,
     ),
     "delta": Thing(
         lambda: psp3.load("delta"),

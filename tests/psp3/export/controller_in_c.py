@@ -6,7 +6,7 @@ import ctypes
 import shutil
 import subprocess
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -149,9 +149,21 @@ def states(robot: Any, count: int, spread: float, seed: int = 0) -> list[tuple[A
     return found
 
 
-def different(one: Any, other: Any, rows: list[tuple[Any, ...]]) -> list[int]:
-    """Return the steps in which the two differ: in what they return, or in any bit but NaN's."""
-    found = []
+class Comparison(NamedTuple):
+    """Of two that take the same steps.
+
+    Which steps are ``different``, in what is returned or in any bit but NaN's; in how many there
+    were forces; and all numbers that the other one wrote, (steps, width).
+    """
+
+    different: list[int]
+    done: int
+    numbers: Array
+
+
+def compared(one: Any, other: Any, rows: list[tuple[Any, ...]]) -> Comparison:
+    """Return in which steps two controllers differ."""
+    found, answers, count = [], [], 0
     for i, row in enumerate(rows):
         (done, numbers), (expected, right) = one.step(*row), other.step(*row)
         known = ~np.isnan(right)
@@ -161,4 +173,6 @@ def different(one: Any, other: Any, rows: list[tuple[Any, ...]]) -> list[int]:
             or numbers[known].tobytes() != right[known].tobytes()
         ):
             found.append(i)
-    return found
+        answers.append(right)
+        count += expected
+    return Comparison(found, count, np.array(answers))

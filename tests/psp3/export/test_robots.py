@@ -2,7 +2,7 @@
 
 Both sides run the same operations in the same order, and the C library is the same, so nothing may
 differ. How many states are asked stands in the environment, ``EXPORT_STATES``: a thousand, or ten
-thousand before a release.
+thousand with ``make export-states``, before a release.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 import fuzzy2
@@ -31,6 +32,7 @@ from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from psp3.robots.stepping import DrivenTables, forces_of_all, forces_of_first
 from tests.c_code import COMPILERS, Library, checked_at_run_time, compiled, same
 from tests.helpers import Array
+from tests.project_folder import check_statically, needs_c, needs_clang, needs_cppcheck
 from tests.psp3.export.robots_of_all_kinds import MAKERS, States, some_frames
 
 STATES = int(os.environ.get("EXPORT_STATES", "1000"))
@@ -130,13 +132,25 @@ def test_every_number_is_the_same(name: str, tmp_path: Path) -> None:
     assert codes != {0}
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
-@pytest.mark.parametrize("name", ["five_bar", "delta", "biped", "agile_eye"])
-def test_what_is_known_at_run_time_is_right(name: str, compiler: str, tmp_path: Path) -> None:
-    """No address that is not its own, nothing undefined, with all warnings as errors."""
+@needs_c
+@needs_clang
+@needs_cppcheck
+@pytest.mark.parametrize("precision", ["double", "single"])
+@pytest.mark.parametrize("name", MAKERS)
+def test_compilers_sanitizers_and_cppcheck_have_nothing_to_say(
+    name: str, precision: Any, tmp_path: Path
+) -> None:
+    """No address that is not its own, nothing undefined, no warning, also at NaN and far away.
+
+    The sanitizers see every step of code that is not optimized. What gcc warns of when it optimizes
+    would fail the tests that compare numbers, here and in ``test_single.py``.
+    """
     robot = MAKERS[name](tmp_path)
-    code = c_code(robot, frames=some_frames(robot))
-    checked_at_run_time(code, tmp_path, compiler, {"positions": robot.reference})
+    code = c_code(robot, precision=precision, frames=some_frames(robot))
+    for compiler in COMPILERS:
+        checked_at_run_time(code, tmp_path, compiler, {"positions": robot.reference}, 30, "-O0")
+    code.write(tmp_path / "code")
+    check_statically(tmp_path / "code")
 
 
 def test_the_functions_of_the_class_are_the_same(tmp_path: Path) -> None:
@@ -267,6 +281,85 @@ def test_the_header_says_what_stands_where() -> None:
     assert re.search(r"\b[0-9a-f]{16} is its hash", header)
     for code in range(6):
         assert re.search(rf"^ \* {code}  ", header, re.M), code
+
+
+def _words(header: str) -> str:
+    """Return the comments of a header in one line."""
+    return " ".join(re.sub(r"^ \* ", "", header, flags=re.M).split())
+
+
+def _listed(header: str, title: str) -> list[str]:
+    """Return the names below a title of the header, in order; their numbers count from 0."""
+    found = re.search(rf"^ \* {title}:\n((?: \* +\d+  .*\n)+)", header, re.M)
+    if found is None:
+        return []
+    rows = [re.fullmatch(r" \* +(\d+)  (.*)", line) for line in found[1].splitlines()]
+    assert [int(row[1]) for row in rows if row] == list(range(len(rows)))
+    return [row[2] for row in rows if row]
+
+
+@pytest.mark.parametrize("name", MAKERS)
+def test_lists_of_the_header_are_the_order_and_size_of_arrays(name: str, tmp_path: Path) -> None:
+    """Also of robots with fewer motors than coordinates, or more, and of those that float."""
+    robot = MAKERS[name](tmp_path)
+    code = c_code(robot, name=name, frames=some_frames(robot))
+    sizes = dict(re.findall(r"(\w+)\[(\d+)\](?=[,)])", code.header))
+    positions = _listed(code.header, "Positions of coordinates")
+    speeds = _listed(code.header, "Speeds, accelerations and forces") or positions
+    joints = _listed(code.header, "Coordinates of all joints, q")
+    motors = _listed(code.header, "Motors") or speeds
+    of = {"positions": positions, "speeds": speeds, "forces": speeds, "q": joints}
+    of |= {"motor_forces": motors} if "motor_forces" in sizes else {}
+    assert {one: int(sizes[one]) for one in of} == {one: len(names) for one, names in of.items()}
+    assert [int(sizes[one]) for one in "MCGJ"] == [
+        *(len(speeds) ** 2,) * 2,
+        len(speeds),
+        6 * len(speeds),
+    ]
+    asked = re.findall(r"const double accelerations\[(\d+)\]", code.header)
+    commanded = len(speeds) if robot.drives_coordinates else robot.commanded
+    assert {int(count) for count in asked} == {len(speeds), commanded}
+    # Each position is where the lists say that it is among the coordinates of all joints.
+    library, states = Library(code, compiled(code, tmp_path)), States(robot)
+    for _ in range(20):
+        q, _, _ = states.next()
+        library.call("reset")
+        done, (written,) = library.call("configuration", q)
+        if done == 0:
+            assert same(written[[joints.index(one) for one in positions]], q)
+
+
+def test_speeds_of_a_floating_base_are_those_that_the_header_says(tmp_path: Path) -> None:
+    """Linear, then angular, in its own axes: the columns of its Jacobian are those of R."""
+    robot = MAKERS["biped"](tmp_path)
+    base = robot.coordinates[-1]
+    code = c_code(robot, name="biped", frames=[base])
+    told = f"{base}: position, then quaternion (x, y, z, w) of unit length; its speeds are linear, "
+    assert told + "then angular, in its own axes" in _words(code.header)
+    library, q = Library(code, compiled(code, tmp_path)), robot.reference.copy()
+    # Turned by 0.6 rad about an axis between x and y.
+    q[-7:] = [0.3, -0.2, 1.0, *(np.sin(0.3) * np.array([0.6, 0.8, 0.0])), np.cos(0.3)]
+    library.call("reset")
+    done, (placement,) = library.call(f"{base}_placement", q)
+    _, (J,) = library.call(f"{base}_jacobian", q)
+    R, J = placement[:9].reshape(3, 3), J.reshape(6, -1)
+    assert done == 0
+    start = robot.model.jointPlacements[robot.model.getJointId(base)]
+    np.testing.assert_array_equal(start.rotation, np.eye(3))
+    np.testing.assert_allclose(placement[9:], start.translation + q[-7:-4], rtol=0.0, atol=1e-15)
+    right = pin.Quaternion(q[-4:]).matrix()
+    # Sums of a few numbers about 1: some roundings.
+    np.testing.assert_allclose(R, right, rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(J[:3, -6:-3], R, rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(J[3:, -3:], R, rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(J[3:, -6:-3], 0.0, rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(J[:3, -3:], 0.0, rtol=0.0, atol=1e-15)
+
+
+def test_balls_are_told_as_quaternions(tmp_path: Path) -> None:
+    header = _words(c_code(MAKERS["hexa"](tmp_path)).header)
+    assert ": quaternion (x, y, z, w) of unit length; its speeds are angular" in header
+    assert "What they are" not in c_code(MAKERS["five_bar"](tmp_path)).header
 
 
 def test_fuzzy_systems_are_written_as_fuzzy2_does() -> None:

@@ -32,6 +32,20 @@ def test_motors_have_phases_of_their_own() -> None:
     assert np.linalg.matrix_rank(apart, tol=1e-6) == 2
 
 
+def test_joints_without_limits_move_as_those_with_wide_ones() -> None:
+    """Pinocchio gives them the largest numbers as limits; the distance of these is beyond all."""
+    amplitudes, five_bar = [], psp3.load("five_bar")
+    for limit in (np.finfo(float).max, 1e6):
+        model = five_bar.model.copy()
+        model.lowerPositionLimit = np.full(model.nq, -limit)
+        model.upperPositionLimit = np.full(model.nq, limit)
+        robot = psp3.ClosedLoopRobot(
+            model, five_bar.constraint_models, five_bar.actuated, five_bar.q0
+        )
+        amplitudes.append(Sway(robot=robot).amplitudes)
+    np.testing.assert_array_equal(*amplitudes)
+
+
 def test_motor_at_a_limit_moves_away_from_it() -> None:
     five_bar = psp3.load("five_bar")
     model = five_bar.model.copy()
