@@ -54,7 +54,7 @@ test-quick: $(VENV)/.compiled $(VENV)/.dev
 	@echo "Running the quick tests"
 	@$(BIN)/python -m pytest $(DISTRIBUTED) -m "not slow"
 
-fuzz: $(VENV)/.compiled $(VENV)/.test
+fuzz: $(VENV)/.compiled $(VENV)/.dev
 	@echo "Trying changed files on all readers; faults go into results/hostile"
 	@$(BIN)/python -m tests.hostile 50000
 
