@@ -109,6 +109,7 @@ def _run(left: dict[str, range], report: Report, worker: str, done: Any) -> tupl
                 tally.faults.append(said | {"number": at[1]})
             if at[1] + 1 == left[at[0]].stop:
                 done(at[0], tally)
+    process.stdout.close()
     code = process.wait()
     if code and at is None:
         raise RuntimeError(f"the worker ended with {code} before its first mutant")

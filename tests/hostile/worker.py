@@ -51,13 +51,19 @@ def _say(something: dict[str, object]) -> None:
     print(json.dumps(something), flush=True)
 
 
-def _prepare(names: list[str]) -> None:
-    """Read every whole file once, so that code is compiled, and bound the memory."""
+BEYOND = 10**9
+"""Mutants from this number on are read before all others, so that code is compiled by then."""
+
+
+def _prepare(names: list[str], folder: Path) -> None:
+    """Read every whole file once, and a few mutants, and bound the memory."""
     for name in names:
         reader = all_readers()[name]
         if isinstance(reader, Reader):
             for seed in reader.seeds:
                 reader.original(seed)
+            for number in range(BEYOND, BEYOND + 8):
+                reader.trial(number, folder / "mutant")
     pages = int(Path("/proc/self/statm").read_text().split()[0])
     limit = pages * os.sysconf("SC_PAGE_SIZE") + MEMORY
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
@@ -66,10 +72,10 @@ def _prepare(names: list[str]) -> None:
 def main(arguments: list[str]) -> None:
     """Do what the command line says."""
     names, firsts, lasts = arguments[::3], arguments[1::3], arguments[2::3]
-    _prepare(names)
-    before = _peak()
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)  # MuJoCo writes its warnings into a file where it runs
+        _prepare(names, Path(folder))
+        before = _peak()
         for name, first, last in zip(names, firsts, lasts, strict=True):
             work(name, range(int(first), int(last)), Path(folder))
     _say({"grown": _peak() - before, "peak": _peak()})
