@@ -52,7 +52,7 @@ BAD = (
 )
 
 if __name__ == "__main__":
-    worker.KILLED = 0.5
+    worker.KILLED, worker.WARMING = 0.5, 0
     worker.all_readers = lambda: {one.name: one for one in BAD}
     Reader.original = lambda self, seed: None
     worker.main(sys.argv[1:])

@@ -54,6 +54,9 @@ def _say(something: dict[str, object]) -> None:
 BEYOND = 10**9
 """Mutants from this number on are read before all others, so that code is compiled by then."""
 
+WARMING = 8
+"""So many of each reader."""
+
 
 def _prepare(names: list[str], folder: Path) -> None:
     """Read every whole file once, and a few mutants, and bound the memory."""
@@ -62,7 +65,7 @@ def _prepare(names: list[str], folder: Path) -> None:
         if isinstance(reader, Reader):
             for seed in reader.seeds:
                 reader.original(seed)
-            for number in range(BEYOND, BEYOND + 8):
+            for number in range(BEYOND, BEYOND + WARMING):
                 reader.trial(number, folder / "mutant")
     pages = int(Path("/proc/self/statm").read_text().split()[0])
     limit = pages * os.sysconf("SC_PAGE_SIZE") + MEMORY
