@@ -70,7 +70,7 @@ OR.2: /OR\b/i
 ACT.2: /ACT\b/i
 FORMULA.3: /FUNCTION\b[^;]*/i
 RULE.3: /RULE\s+[\w.]+\s*:[^;]*?(?=;|\bRULE\s+[\w.]+\s*:|\bEND_RULEBLOCK\b)/is
-NUMBER: /[+-]?((\d+(\.(?!\.)\d*)?|\.\d+)([eE][+-]?\d+)?|inf\b)/i
+NUMBER: /[+-]?(([0-9]+(\.(?!\.)[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?|inf\b)/i
 BLOCK: /[^\W\d]\w*(-\w+)+/i
 NAME: /[^\W\d]\w*/i
 %ignore /\s+/

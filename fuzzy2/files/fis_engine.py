@@ -74,16 +74,16 @@ HEDGES = {1: ("seldom",), 5: ("somewhat",), 20: ("very",), 30: ("extremely",), 4
 """Hedges by hundredths of a number of a term; 99 is any."""
 
 _TERM = re.compile(rf"{QUOTED}\s*:\s*'(\w+)'?\s*,\s*\[([^\]']*)\]\s*")
-_RULE = re.compile(rf"([^,():]*),([^,():]*)\(\s*({NUMBER})\s*\)\s*:\s*(\d+)\s*")
+_RULE = re.compile(rf"([^,():]*),([^,():]*)\(\s*({NUMBER})\s*\)\s*:\s*([0-9]+)\s*")
 _WORDS = re.compile(
     r"^\s*(?:#.*\bfuzzylite\b|(?:Enabled|Lock\w+)\s*=|Type\s*=\s*'(?:larsen|tsukamoto|hybrid)'"
-    r"|MF\d+\s*=\s*'(?:[^']|'')*'\s*:\s*'(?:binarymf|concavemf|cosinemf|spikemf|function)\b)",
+    r"|MF[0-9]+\s*=\s*'(?:[^']|'')*'\s*:\s*'(?:binarymf|concavemf|cosinemf|spikemf|function)\b)",
     re.MULTILINE,
 )
 
 
 _VERSIONS = (
-    re.compile(r"^\s*#.*\bfuzzylite\s+(\d+)\.", re.MULTILINE),
+    re.compile(r"^\s*#.*\bfuzzylite\s+([0-9]+)\.", re.MULTILINE),
     re.compile(r"^\s*Version\s*=\s*([4-9])\.", re.MULTILINE),
 )
 _OF_VERSION_5 = re.compile(r"^\s*(?:Enabled|Lock\w+)\s*=", re.MULTILINE)
@@ -361,9 +361,11 @@ class FisEngineReader(FisLines):
             raise self.malformed(line, f"expected {len(variables)} numbers, got {text.strip()!r}")
         found: list[tuple[str, list[str], str | None]] = []
         for code, (name, terms) in zip(codes, variables.items(), strict=True):
-            number = int(abs(code) + 1e-6)
-            hundredths = round(100.0 * (abs(code) - number))
-            if number > len(terms) or (hundredths not in (0, 99, *HEDGES)):
+            # At most 1e9, which is the number of no term either.
+            total = round(100.0 * min(abs(code), 1e9))
+            number, hundredths = divmod(total, 100)
+            is_code = math.isclose(abs(code), 0.01 * total, rel_tol=1e-12)
+            if not is_code or number > len(terms) or hundredths not in (0, 99, *HEDGES):
                 raise self.malformed(
                     line, f"{name} has membership functions 1 to {len(terms)}, got {code:g}"
                 )

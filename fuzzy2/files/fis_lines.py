@@ -43,7 +43,7 @@ _KEYS_OF_VARIABLE = (
     "LockOutputRange",
 )
 
-NUMBER = r"[+-]?(?:\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?|[iI]nf)"
+NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?|\.[0-9]+(?:[eE][+-]?[0-9]+)?|[iI]nf)"
 QUOTED = r"'((?:[^']|'')*)'"
 VECTOR = r"\[([^\]']*)\]"
 
@@ -81,7 +81,9 @@ class FisLines(Source):
                 stripped = re.split("//|#", stripped)[0].rstrip()
             if not stripped or stripped.startswith(("%", "#", "//")):
                 continue
-            if header := re.fullmatch(r"\[\s*(System|Rules|(?:Input|Output)\s*\d+)\s*\]", stripped):
+            if header := re.fullmatch(
+                r"\[\s*(System|Rules|(?:Input|Output)\s*[0-9]+)\s*\]", stripped
+            ):
                 name = "".join(header[1].split())
                 if name in sections:
                     raise self.malformed(number, f"the section [{name}] is there twice")
@@ -103,9 +105,11 @@ class FisLines(Source):
         known = _KEYS_OF_SYSTEM if section.name == "System" else _KEYS_OF_VARIABLE
         words = {word.lower(): word for word in known}
         key = re.sub("(?i)^mf", "MF", words.get(entry[1].lower(), entry[1]))
-        if key not in known and (section.name == "System" or not re.fullmatch(r"MF\d+[UL]?", key)):
+        if key not in known and (
+            section.name == "System" or not re.fullmatch(r"MF[0-9]+[UL]?", key)
+        ):
             raise self.malformed(number, unknown_name("key", key, known))
-        if key in section.entries and re.fullmatch(r"MF\d+", key):
+        if key in section.entries and re.fullmatch(r"MF[0-9]+", key):
             # MATLAB goes by their order; one of its own demos has a number twice.
             key = f"MF{sum(one.startswith('MF') for one in section.entries) + 1}"
         if key in section.entries:
@@ -133,7 +137,7 @@ class FisLines(Source):
     def count(self, section: Section, key: str) -> int:
         """Return a whole number."""
         line = self.entry(section, key)
-        if not re.fullmatch(r"\d{1,9}", line.value):
+        if not re.fullmatch(r"[0-9]{1,9}", line.value):
             raise self.malformed(
                 line.number, f"expected a whole number for {key}, got {line.value[:40]!r}"
             )

@@ -24,8 +24,8 @@ from fuzzy2.files.fis_lines import NUMBER, FisLines, Section
 from fuzzy2.systems.antecedents import And, Antecedent, Hedged, Is, Not, Or
 from fuzzy2.systems.hedges import HEDGES, Hedge
 
-_RULE = re.compile(rf"([^,():]*),([^,():]*)\(\s*({NUMBER})\s*\)\s*:\s*(\d+)\s*")
-_TERM_NUMBER = re.compile(r"(-?)(\d{1,9})(?:\.(\d{1,9}))?")
+_RULE = re.compile(rf"([^,():]*),([^,():]*)\(\s*({NUMBER})\s*\)\s*:\s*([0-9]+)\s*")
+_TERM_NUMBER = re.compile(r"(-?)([0-9]{1,9})(?:\.([0-9]{1,2})0*)?")
 
 _FUZZYLITE = {0: None, 5: 0.5, 20: 2.0, 30: 3.0, 40: 4.0}
 """Powers of hedges by hundredths, as fuzzylite writes them."""
@@ -96,12 +96,11 @@ class FisRules:
     ) -> tuple[bool, int, int]:
         """Return whether a term is negated, its number from 1 or 0 for none, and its hedge."""
         found = _TERM_NUMBER.fullmatch(word)
-        fraction = 0.0 if found is None else 100.0 * float(f"0.{found[3] or 0}")
-        if found is None or int(found[2]) > count or abs(fraction - round(fraction)) > 1e-6:
+        if found is None or int(found[2]) > count:
             raise self._lines.malformed(
                 line, f"{variable.name} has membership functions 1 to {count}, got {word!r}"
             )
-        return found[1] == "-", int(found[2]), round(fraction)
+        return found[1] == "-", int(found[2]), int((found[3] or "0").ljust(2, "0"))
 
     def _check_length(self, line: int, words: list[str], count: int, kind: str) -> None:
         if len(words) != count:

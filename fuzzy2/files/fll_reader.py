@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+import re
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -36,6 +37,7 @@ from fuzzy2.files.rule_text import rules_of
 from fuzzy2.files.source import Source
 from fuzzy2.sets.formula_set import FormulaSet
 from fuzzy2.support.formula import Formula
+from fuzzy2.support.number_text import number_of
 from fuzzy2.systems.rules import unknown_name
 
 _GRAMMAR = r"""
@@ -219,10 +221,7 @@ class FllReader(Source):
     def _numbers(self, number: int, words: list[str]) -> list[float]:
         found = []
         for word in words:
-            try:
-                found.append(float(word) if "_" not in word else math.nan)
-            except ValueError:
-                raise self.malformed(number, f"expected a number, got {word[:40]!r}") from None
+            found.append(number_of(word))
             if math.isnan(found[-1]):
                 raise self.malformed(number, f"expected a number, got {word[:40]!r}")
         return found
@@ -390,7 +389,11 @@ class FllReader(Source):
     def _resolution(self, number: int, words: list[str]) -> int:
         if not words:
             return RESOLUTION
-        if len(words) != 1 or not words[0].isdecimal() or not 2 <= int(words[0][:9]) <= 1_000_000:
+        if (
+            len(words) != 1
+            or not re.fullmatch("[0-9]{1,7}", words[0])
+            or not 2 <= int(words[0]) <= 1_000_000
+        ):
             raise self.malformed(
                 number, f"expected from 2 to 1000000 points, got {' '.join(words)[:40]!r}"
             )

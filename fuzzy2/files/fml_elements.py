@@ -9,8 +9,15 @@ from dataclasses import dataclass, field
 from xml.parsers import expat
 
 from fuzzy2.errors import MalformedFile
-from fuzzy2.files.fml_names import NAMESPACE, OWN_INSTRUCTION
+from fuzzy2.files.fml_names import (
+    ATTRIBUTES,
+    NAMESPACE,
+    OWN_INSTRUCTION,
+    OWN_WORDS,
+    TEXTS,
+)
 from fuzzy2.files.source import Source
+from fuzzy2.support.number_text import number_of
 from fuzzy2.systems.rules import unknown_name
 
 
@@ -53,19 +60,22 @@ class FmlElements(Source):
                     parser.CurrentLineNumber,
                     f"expected elements of {NAMESPACE}, got one of {namespace}",
                 )
-            element = Element(local, attributes, parser.CurrentLineNumber)
+            # Those of other namespaces, like the place of a schema, are others' business.
+            own = {key: value for key, value in attributes.items() if "}" not in key}
+            element = Element(local, own, parser.CurrentLineNumber)
+            self._check_attributes(element)
             open_elements[-1].children.append(element)
             open_elements.append(element)
 
         def end(name: str) -> None:
-            open_elements.pop()
+            self._check_content(open_elements.pop())
 
         def characters(text: str) -> None:
             open_elements[-1].text += text
 
         def instruction(target: str, data: str) -> None:
             if target == OWN_INSTRUCTION:
-                self.own.update(re.findall(r'(\w+)="([^"]*)"', data))
+                self._take_instruction(data, parser.CurrentLineNumber)
 
         def doctype(*_: object) -> None:
             raise self.malformed(
@@ -88,6 +98,37 @@ class FmlElements(Source):
             ) from None
         return holder.children[0]
 
+    def _check_attributes(self, element: Element) -> None:
+        """Refuse what would be passed over: a misspelled weight is no weight."""
+        # An element of another name is refused where it stands.
+        known = ATTRIBUTES.get(element.name, tuple(element.attributes))
+        for name in element.attributes:
+            if name not in known:
+                raise self.malformed(
+                    element.line, unknown_name(f"attribute of <{element.name}>", name, known)
+                )
+
+    def _check_content(self, element: Element) -> None:
+        """Refuse texts between elements, and elements within texts."""
+        if element.name in TEXTS and element.children:
+            child = element.children[0]
+            raise self.malformed(child.line, f"<{element.name}> holds a text, not <{child.name}>")
+        text = element.text.strip()
+        if element.name not in TEXTS and text:
+            raise self.malformed(
+                element.line, f"<{element.name}> holds no text, and has {text[:40]!r}"
+            )
+
+    def _take_instruction(self, data: str, line: int) -> None:
+        """Take the words of an instruction to this package."""
+        found = dict(re.findall(r'([^\s=]+)="([^"]*)"', data))
+        rest = re.sub(r'[^\s=]+="[^"]*"', "", data).strip()
+        if rest or self.own or not found.keys() <= set(OWN_WORDS):
+            raise self.malformed(
+                line, f"expected one instruction with {' and '.join(OWN_WORDS)}, got {data[:60]!r}"
+            )
+        self.own.update(found)
+
     def attribute(self, element: Element, name: str, default: str | None = None) -> str:
         """Return an attribute, which must be there if it has no default."""
         value = element.attributes.get(name, default)
@@ -97,10 +138,8 @@ class FmlElements(Source):
 
     def number(self, element: Element, text: str) -> float:
         """Return a finite number."""
-        try:
-            value = float(text)
-        except ValueError:
-            value = math.nan
+        # XML takes these for blanks, Python others, too.
+        value = number_of(text.strip(" \t\r\n"))
         if not math.isfinite(value):
             raise self.malformed(element.line, f"expected a finite number, got {text[:40]!r}")
         return value

@@ -60,6 +60,9 @@ DEFUZZIFIERS = {
 OWN_INSTRUCTION = "fuzzy2"
 """Target of the processing instruction that says how this package integrates."""
 
+OWN_WORDS = ("integration", "resolution")
+"""Its words."""
+
 SAMPLE_POINTS = 20001
 """Points of a sum for the center of gravity, which the standard defines as an integral."""
 
@@ -101,6 +104,45 @@ SHAPES: dict[str, tuple[int, Callable[..., Type1Set]]] = {
     "piShape": (2, lambda foot, top: PiShaped(foot, top, top, top + (top - foot))),
 }
 """Shapes with the number of their parameters."""
+
+_ADDRESS = "networkAddress"
+_VARIABLE = ("name", "type", "scale", "defaultValue", _ADDRESS)
+_DOMAIN = ("domainleft", "domainright")
+_RULE = ("name", "connector", "andMethod", "orMethod", "weight", _ADDRESS)
+_RULE_BASE = ("name", "activationMethod", "andMethod", "orMethod", _ADDRESS)
+
+TEXTS = ("datum", "tskValue", "termName", "dataCloudName", "variable", "term")
+"""Elements that hold a text, and nothing else."""
+
+_BARE = ("antecedent", "anYaAntecedent", "consequent", "tskConsequent", "circularDefinition")
+_BRANCHES = ("then", "else", "tskThen", "tskElse")
+
+ATTRIBUTES: dict[str, tuple[str, ...]] = {
+    **dict.fromkeys((*_BARE, *_BRANCHES, *TEXTS), ()),
+    "termName": ("complement",),
+    "fuzzySystem": ("name", _ADDRESS),
+    "knowledgeBase": ("name", _ADDRESS),
+    "fuzzyVariable": (*_VARIABLE, *_DOMAIN, "accumulation", "defuzzifier"),
+    "tsukamotoVariable": (*_VARIABLE, *_DOMAIN, "combination"),
+    "tskVariable": (*_VARIABLE, *_DOMAIN, "combination"),
+    "aggregatedFuzzyVariable": ("name", "type", _ADDRESS),
+    "anYaDataCloud": ("name", _ADDRESS),
+    "fuzzyTerm": ("name", "complement"),
+    "tsukamotoTerm": ("name", "complement"),
+    "aggregatedFuzzyTerm": ("name",),
+    "tskTerm": ("name", "order"),
+    "pointSetShape": ("interpolationMethod", "degree"),
+    "pointSetMonotonicShape": ("interpolationMethod",),
+    "point": ("x", "y"),
+    "and": ("t-norm",),
+    "or": ("t-conorm",),
+    "clause": ("modifier",),
+    "tskClause": ("modifier",),
+    **dict.fromkeys(RULE_BASES, _RULE_BASE),
+    **dict.fromkeys(("rule", "tskRule", "anYaRule"), _RULE),
+    **{name: tuple(f"param{i + 1}" for i in range(count)) for name, (count, _) in SHAPES.items()},
+}
+"""Attributes of elements, by the schema."""
 
 
 def named_shape(term: Type1Set) -> tuple[str, tuple[float, ...]] | None:

@@ -135,7 +135,7 @@ class FmlReader(FmlElements):
         """Return how centroids are found, as a document of this package says or by default."""
         integration = self.own.get("integration", default)
         points = self.own.get("resolution", str(SAMPLE_POINTS))
-        if integration not in INTEGRATIONS or not re.fullmatch(r"\d{1,6}", points):
+        if integration not in INTEGRATIONS or not re.fullmatch(r"[0-9]{1,6}", points):
             raise self.malformed(
                 1, f"expected an integration and points, got {integration!r} and {points!r}"
             )

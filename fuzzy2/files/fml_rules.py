@@ -67,8 +67,14 @@ class FmlRules:
         terms: dict[str, Antecedent] = {}
         for child in elements.children(variable, "aggregatedFuzzyTerm"):
             (tree,) = self._combined(child, 1)
-            terms[elements.attribute(child, "name")] = tree
-        self._aggregated[elements.attribute(variable, "name")] = terms
+            name = elements.attribute(child, "name")
+            if name in terms:
+                raise elements.malformed(child.line, f"the name {name!r} is given to two terms")
+            terms[name] = tree
+        name = elements.attribute(variable, "name")
+        if name in self._aggregated or name in self._known:
+            raise elements.malformed(variable.line, f"the name {name!r} is given to two variables")
+        self._aggregated[name] = terms
 
     def _combined(self, element: Element, least: int) -> list[Antecedent]:
         elements, parts = self._elements, list[Antecedent]()

@@ -68,6 +68,7 @@ from fuzzy2.sets.smooth_shapes import Bell, PiShaped, TwoSidedGaussian
 from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
 from fuzzy2.sets.uncertain_mean import FarthestMeanGaussian, NearestMeanGaussian
 from fuzzy2.sets.vertical_slices import Staircase
+from fuzzy2.support.json_text import parse_json
 from fuzzy2.support.text_files import read_text, write_text
 from fuzzy2.systems.anya import AnYaSystem
 from fuzzy2.systems.consequents import Formulas, Linear, OutputOf
@@ -277,8 +278,6 @@ def _write_object(value: object, path: str) -> dict[str, Json]:
 def _read_object(value: Json, path: str) -> object:
     if not isinstance(value, dict):
         raise malformed(path, f"expected an object, got {shown(value)}")
-    if isinstance(value, _Repeated):
-        raise malformed(f"{path}.{value.name}", "is given twice")
     if "type" not in value:
         raise malformed(path, 'has no "type"')
     classes = {known.__name__: known for known in _FIELDS}
@@ -332,26 +331,6 @@ def _optional(of: type) -> frozenset[str]:
     )
 
 
-class _Repeated(dict[str, Json]):
-    """JSON object in which a name is given twice, which ``json`` would pass over in silence."""
-
-    name: str
-
-
-def _without_repetition(pairs: list[tuple[str, Json]]) -> dict[str, Json]:
-    names = [name for name, _ in pairs]
-    repeated = (
-        next((name for i, name in enumerate(names) if name in names[:i]), None)
-        if len(set(names)) < len(names)
-        else None
-    )
-    if repeated is None:
-        return dict(pairs)
-    marked = _Repeated(pairs)
-    marked.name = repeated
-    return marked
-
-
 def to_json(thing: object) -> dict[str, Json]:
     """Return a set, a rule base or a system as a JSON document.
 
@@ -397,8 +376,6 @@ def from_json(document: Mapping[str, Json]) -> Any:
     """
     if not isinstance(document, Mapping):
         raise malformed("$", f"expected an object, got {shown(document)}")
-    if isinstance(document, _Repeated):
-        raise malformed(f"$.{document.name}", "is given twice")
     if document.get("format") != FORMAT:
         raise malformed("$.format", f'expected "{FORMAT}", got {shown(document.get("format"))}')
     version = document.get("version")
@@ -473,17 +450,7 @@ def load(path: str | os.PathLike[str]) -> Any:
     OSError
         If it cannot be read.
     """
-    text = read_text(path)
-    try:
-        document = json.loads(text, object_pairs_hook=_without_repetition)
-    except json.JSONDecodeError as error:
-        raise MalformedFile(
-            str(path), f"line {error.lineno}, column {error.colno}", error.msg
-        ) from None
-    except RecursionError:
-        raise MalformedFile(str(path), "$", "is nested too deeply") from None
-    except ValueError as error:  # an integer of thousands of digits
-        raise MalformedFile(str(path), "$", str(error)) from None
+    document = parse_json(read_text(path), str(path))
     try:
         return from_json(document)
     except MalformedFile as error:

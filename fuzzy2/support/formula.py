@@ -35,7 +35,7 @@ _GRAMMAR = r"""
 ?power: one | one ("^" | "**") power -> raised | (".-" | "-") power -> negative | ".+" power
 ?one: NUMBER -> number | NAME -> name | NAME "(" [either ("," either)*] ")" -> call
     | "(" either ")" | "!" one -> opposite | "~" one -> negative
-NUMBER: /(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?/
+NUMBER: /([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?/
 NAME: /(?!(and|or)\b)[^\W\d]\w*/
 %ignore /\s+/
 """

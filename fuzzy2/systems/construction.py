@@ -354,17 +354,26 @@ def _without_none(consequents: Any, silent: ArrayLike | None) -> tuple[Any, Any]
     width = max((np.size(item) for row in rows for item in row if item is not None), default=1)
     blank: Any = 0.0 if width == 1 else (0.0, 0.0)
     filled = [[blank if item is None else item for item in row] for row in rows]
-    given = False if silent is None else np.asarray(silent, dtype=bool)
+    given = False if silent is None else _truths(silent, np.shape(none))
     return filled, np.array(none) | given
+
+
+def _truths(silent: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """Return an array of True and False of a shape."""
+    try:
+        mask = np.asarray(silent)
+    except ValueError:  # its rows are of different lengths
+        mask = np.empty(0)
+    if mask.dtype != bool or mask.shape != shape:
+        raise InvalidValue("silent", silent, f"True or False, of shape {shape}")
+    return mask
 
 
 def _checked_silence(silent: ArrayLike | None, shape: tuple[int, ...]) -> NDArray[np.bool_] | None:
     """Return where rules are silent, read-only; None if they speak of every output."""
     if silent is None:
         return None
-    mask = np.asarray(silent)
-    if mask.dtype != bool or mask.shape != shape:
-        raise InvalidValue("silent", silent, f"True or False, of shape {shape}")
+    mask = _truths(silent, shape)
     mute = np.flatnonzero(mask.all(axis=1))
     if mute.size:
         raise InvalidValue(

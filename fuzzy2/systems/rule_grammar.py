@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import math
 import re
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -12,6 +11,7 @@ from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedCharacters, UnexpectedToken
 
 from fuzzy2.errors import InvalidRule
+from fuzzy2.support.number_text import number_of
 from fuzzy2.systems.antecedents import And, Antecedent, Hedged, Is, Not, Or
 from fuzzy2.systems.hedges import ANY, Hedge
 
@@ -185,10 +185,7 @@ class _Reader:
 
     def weight(self, tree: Tree[Token]) -> float:
         written = str(tree.children[-1])
-        try:
-            weight = float(written)
-        except ValueError:
-            weight = math.nan
+        weight = number_of(written)
         if not 0.0 <= weight <= 1.0:
             raise self.error(f"has the weight {written!r}, which must be a number from 0 to 1")
         return weight

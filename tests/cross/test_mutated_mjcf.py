@@ -20,7 +20,8 @@ from psp3.description.mjcf_tree import plain_mjcf
 from psp3.description.mujoco_opinion import mujoco_disagreements
 from psp3.description.parts import RobotParts
 from psp3.errors import PSP3Error
-from tests.mutations import faults, mutants, outcome
+from tests.hostile.mutant import Mutant, faults, outcome
+from tests.hostile.xml_mutants import mutants
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is in the extras mujoco and test")
 
@@ -116,17 +117,23 @@ def differences(path: Path, parts: RobotParts) -> list[str]:
     return found
 
 
+def check(mutant: Mutant, path: Path) -> tuple[bool, str]:
+    """Return whether a mutant was read, and what is wrong with that; nothing if all is well."""
+    found = outcome(mutant, path, read_mjcf, PSP3Error)
+    fault = faults(found)
+    if not fault and found.value is not None:
+        fault = "; ".join(differences(path, found.value))
+    return found.value is not None, fault
+
+
 def test_changed_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """No mutant is read otherwise than by MuJoCo; no error but ours; no silent loss."""
     # MuJoCo writes its warnings into a file where it runs.
     monkeypatch.chdir(tmp_path)
-    path, wrong, read = tmp_path / "robot.xml", [], 0
+    wrong, read = [], 0
     for mutant in mutants(FILE, COUNT):
-        found = outcome(mutant, path, read_mjcf)
-        fault = faults(found)
-        if not fault and found.value is not None:
-            read += 1
-            fault = "; ".join(differences(path, found.value))
+        was_read, fault = check(mutant, tmp_path / "robot.xml")
+        read += was_read
         if fault:
             wrong.append(f"{mutant.number} {mutant.what}: {fault[:300]}")
     assert not wrong, "\n".join(wrong)

@@ -9,7 +9,8 @@ import copy
 import logging
 import time
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -111,8 +112,8 @@ def mutant(number: int) -> tuple[str, bytes]:
     return f"{kind} of {item.tag}", ElementTree.tostring(root)
 
 
-def check(number: int, path: Path, told: list[str]) -> str:
-    """Return what is wrong with what becomes of a changed file; nothing if all is well."""
+def check(number: int, path: Path, told: list[str]) -> tuple[str, str]:
+    """Return what becomes of a changed file, and what is wrong with it; nothing if all is well."""
     what, content = mutant(number)
     path.write_bytes(content)
     begun = time.process_time()
@@ -120,36 +121,39 @@ def check(number: int, path: Path, told: list[str]) -> str:
     try:
         parts = read_sdf(path, [])
     except PSP3Error as error:
-        return "" if str(error).strip() else f"{what}: refused without a word"
+        return "refused", "" if str(error).strip() else f"{what}: refused without a word"
     except Exception as error:
-        return f"{what}: {type(error).__name__}: {error}"
+        return "failed", f"{what}: {type(error).__name__}: {error}"
     if time.process_time() - begun > MOST_SECONDS:
-        return f"{what}: took too long"
+        return "read", f"{what}: took too long"
     if what.split()[0] in ("wrap", "misspell", "attribute") and not told:
-        return f"{what}: lost without a word"
+        return "read", f"{what}: lost without a word"
     model = parts.model
     numbers = [inertia.toDynamicParameters() for inertia in model.inertias]
     numbers += [place.homogeneous.ravel() for place in model.jointPlacements]
-    return "" if np.isfinite(np.concatenate(numbers)).all() else f"{what}: not finite"
+    finite = np.isfinite(np.concatenate(numbers)).all()
+    return "told" if told else "read", "" if finite else f"{what}: not finite"
 
 
-@pytest.fixture
-def told() -> list[str]:
-    """Return a list of what is logged."""
-    return []
-
-
-@pytest.mark.parametrize("count", [60])
-def test_changed_files_are_read_or_refused(count: int, tmp_path: Path, told: list[str]) -> None:
+@contextmanager
+def told_of() -> Iterator[list[str]]:
+    """Yield a list of what is logged."""
+    told: list[str] = []
     handler = logging.Handler(logging.WARNING)
     handler.emit = lambda record: told.append(record.getMessage())  # type: ignore[method-assign]
     logging.getLogger("psp3").addHandler(handler)
     try:
+        yield told
+    finally:
+        logging.getLogger("psp3").removeHandler(handler)
+
+
+@pytest.mark.parametrize("count", [60])
+def test_changed_files_are_read_or_refused(count: int, tmp_path: Path) -> None:
+    with told_of() as told:
         wrong = {
             number: found
             for number in range(count)
-            if (found := check(number, tmp_path / "robot.sdf", told))
+            if (found := check(number, tmp_path / "robot.sdf", told)[1])
         }
-    finally:
-        logging.getLogger("psp3").removeHandler(handler)
     assert not wrong

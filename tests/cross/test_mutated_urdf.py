@@ -18,9 +18,11 @@ import pytest
 
 from psp3.description.parts import ROBOT_FILES, RobotParts
 from psp3.description.urdf import read_robot
+from psp3.errors import PSP3Error
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from tests.helpers import Array
-from tests.mutations import Mutant, faults, mutants, outcome
+from tests.hostile.mutant import Mutant, faults, outcome
+from tests.hostile.xml_mutants import mutants
 
 COUNT = int(os.environ.get("MUTANTS", "240"))
 
@@ -233,7 +235,7 @@ def couplings(tree: Tree) -> list[tuple[str, str, tuple[float, float]]]:
 
 def check(mutant: Mutant, path: Path) -> str:
     """Return what became of a mutant; raise where that is wrong."""
-    found = outcome(mutant, path, read_robot)
+    found = outcome(mutant, path, read_robot, PSP3Error)
     what = f"{mutant.number} ({mutant.what})"
     assert not faults(found), f"{what}: {faults(found)}"
     if found.refused is not None:
@@ -270,7 +272,7 @@ def test_a_changed_urdf_makes_a_whole_robot_or_is_refused(tmp_path: Path) -> Non
         return robot.inverse_dynamics(robot.reference, rest, rest)
 
     for mutant in mutants(GEARS, COUNT // 3, seed=9):
-        found = outcome(mutant, tmp_path / "mutant.urdf", whole)
+        found = outcome(mutant, tmp_path / "mutant.urdf", whole, PSP3Error)
         assert not faults(found), (mutant.number, mutant.what, faults(found))
         assert found.refused is not None or np.isfinite(found.value).all()
 

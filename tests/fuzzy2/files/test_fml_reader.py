@@ -115,9 +115,25 @@ def line_of(text: str, part: str) -> int:
         (
             TIPPER,
             '<gaussianShape param1="0.0"',
-            '<gaussianShape param="0.0"',
+            "<gaussianShape",
             "<gaussianShape> has no attribute 'param1'",
         ),
+        (
+            TIPPER,
+            '<gaussianShape param1="0.0"',
+            '<gaussianShape param="0.0"',
+            "unknown attribute of <gaussianShape> 'param'; did you mean 'param1'?",
+        ),
+        (
+            TIPPER,
+            '<rule name="rule3" connector="OR" weight="1.0">',
+            '<rule name="rule3" connector="OR" wieght="1.0">',
+            "unknown attribute of <rule> 'wieght'; did you mean 'weight'?",
+        ),
+        (TIPPER, "<term>rancid", "<term>rancid<b/>", "<term> holds a text, not <b>"),
+        (TIPPER, 'weight="1.0">', 'weight="1.0">0.5', "<rule> holds no text, and has '0.5'"),
+        (TIPPER, 'param2="1.5"', 'param2="1_5"', "expected a finite number, got '1_5'"),
+        (TIPPER, 'param2="1.5"', 'param2="１.5"', "expected a finite number, got '１.5'"),
         (
             TIPPER,
             '<gaussianShape param1="0.0"',

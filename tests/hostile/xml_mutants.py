@@ -1,4 +1,4 @@
-"""XML files changed at random, by a seed, and what becomes of them when they are read.
+"""XML files changed at random, by a seed.
 
 Every reader of files must read a changed file as another program would, or refuse it with an error
 of ours, in a few seconds. A mutant says what was changed, and whether that takes something away
@@ -8,53 +8,22 @@ which a reader must at least tell of.
 from __future__ import annotations
 
 import copy
-import logging
 import re
-import time
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable, Iterator
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from psp3.errors import PSP3Error
-
-MOST_SECONDS = 5.0
-"""So much processor time a refusal may take."""
+from tests.hostile.mutant import LOST, Mutant
+from tests.hostile.spelled_numbers import SPELLINGS
 
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
-FULL_WIDTH = str.maketrans("0123456789", "０１２３４５６７８９")
-ARABIC = str.maketrans("0123456789", "٠١٢٣٤٥٦٧٨٩")
-
 NUMBERS: dict[str, Callable[[str], str]] = {
+    **{name: function for name, (function, _) in SPELLINGS.items()},
     "blank behind": lambda text: f"{text} ",
     "blank before": lambda text: f"\t{text}",
-    "other blanks": lambda text: f"\u00a0{text}\u2003",
-    "underscore": lambda text: f"{text}_0",
-    "underscore in it": lambda text: re.sub(r"(\d)", r"\1_", text, count=1) + "1",
-    "hexadecimal": lambda text: "0x1p-2",
-    "full width": lambda text: text.translate(FULL_WIDTH),
-    "Arabic": lambda text: text.translate(ARABIC),
-    "comma": lambda text: text.replace(".", ","),
-    "not a number": lambda text: "nan",
-    "infinite": lambda text: "-inf",
-    "too large": lambda text: "1e999",
-    "huge": lambda text: "1e300",
-    "tiny": lambda text: "1e-320",
-    "zero": lambda text: "0",
-    "minus zero": lambda text: "-0.0",
-    "other sign": lambda text: text[1:] if text.startswith("-") else f"-{text}",
-    "plus": lambda text: text if text.startswith("-") else f"+{text}",
-    "Fortran": lambda text: f"{text}d0",
-    "capital": lambda text: f"{text}E0" if "e" not in text.lower() else text,
-    "point": lambda text: f"{text}." if text.isdigit() else text,
-    "twice": lambda text: f"{text} {text}",
-    "none": lambda text: "",
-    "unit": lambda text: f"{text}mm",
-    "more digits": lambda text: f"{text}00000000000000000000" if "." in text else text,
-    "long": lambda text: "9" * 400,
 }
 """What a number is written as instead."""
 
@@ -75,84 +44,17 @@ NAMES: dict[str, Callable[[str], str]] = {
 """What a name is changed to."""
 
 
-class Mutant(NamedTuple):
-    """A changed file."""
-
-    number: int
-    what: str
-    """What was changed."""
-    content: bytes
-    loses: bool = False
-    """Whether an element or attribute is where no reader looks for it."""
-
-
-class Outcome(NamedTuple):
-    """What became of a mutant."""
-
-    mutant: Mutant
-    value: Any
-    """What the reader returned; None of a refusal."""
-    refused: PSP3Error | None
-    failed: BaseException | None
-    """Any other exception."""
-    told: str
-    """What was logged."""
-    seconds: float
-    """Processor time."""
-
-
 def mutants(text: str, count: int, seed: int = 0) -> Iterator[Mutant]:
     """Yield changed XML files, the same for the same arguments."""
     root = ElementTree.fromstring(text)
-    kinds = (_number, _number, _name, _structure, _structure, _attribute, _encoding)
     for number in range(count):
-        rng = np.random.default_rng([seed, number])
-        kind = kinds[int(rng.integers(len(kinds)))]
-        yield kind(root, rng)._replace(number=number)
+        yield mutant(root, np.random.default_rng([seed, number]))._replace(number=number)
 
 
-def outcome(mutant: Mutant, path: Path, read: Callable[[Path], Any]) -> Outcome:
-    """Write a mutant to a path, read it, and return what became of it."""
-    path.write_bytes(mutant.content)
-    told = _Told()
-    logger = logging.getLogger("psp3")
-    logger.addHandler(told)
-    begun = time.process_time()
-    value, refused, failed = None, None, None
-    try:
-        value = read(path)
-    except PSP3Error as error:
-        refused = error
-    except Exception as error:
-        failed = error
-    finally:
-        logger.removeHandler(told)
-    seconds = time.process_time() - begun
-    return Outcome(mutant, value, refused, failed, "; ".join(told.messages), seconds)
-
-
-def faults(found: Outcome) -> str:
-    """Say what is wrong with an outcome, whatever the format; nothing if it is as it should be."""
-    if found.failed is not None:
-        return f"{type(found.failed).__name__}: {found.failed}"
-    if found.refused is not None and not str(found.refused).strip():
-        return "refused without a word"
-    if found.seconds > MOST_SECONDS:
-        return f"took {found.seconds:.1f} s"
-    if found.mutant.loses and found.refused is None and not found.told:
-        return "lost without a word"
-    return ""
-
-
-class _Told(logging.Handler):
-    """Keeps what is logged."""
-
-    def __init__(self) -> None:
-        super().__init__(logging.WARNING)
-        self.messages: list[str] = []
-
-    def emit(self, record: logging.LogRecord) -> None:
-        self.messages.append(record.getMessage())
+def mutant(root: ElementTree.Element, rng: np.random.Generator) -> Mutant:
+    """Return a changed XML file."""
+    kinds = (_number, _number, _name, _structure, _structure, _attribute, _encoding)
+    return kinds[int(rng.integers(len(kinds)))](root, rng)
 
 
 def _one(rng: np.random.Generator, items: list[Any]) -> Any:
@@ -206,7 +108,7 @@ def _structure(root: ElementTree.Element, rng: np.random.Generator) -> Mutant:
     what = _one(rng, ["remove", "double", "move", "wrap", "misspell", "last", "deep", "text"])
     place = list(parent).index(child)
     if what == "deep":
-        return Mutant(0, f"deep {child.tag}", _deep(root, child.tag), True)
+        return Mutant(0, f"deep {child.tag}", _deep(root, child.tag), LOST)
     if what == "text":
         child.text, child.tail = "0.5 & more", "behind"
     elif what == "misspell":
@@ -225,7 +127,9 @@ def _structure(root: ElementTree.Element, rng: np.random.Generator) -> Mutant:
         inside = set(child.iter())
         other = _one(rng, [element for element in changed.iter() if element not in inside])
         other.insert(int(rng.integers(len(other) + 1)), child)
-    return Mutant(0, f"{what} {child.tag}", _written(changed), what in ("wrap", "misspell"))
+    return Mutant(
+        0, f"{what} {child.tag}", _written(changed), LOST * (what in ("wrap", "misspell"))
+    )
 
 
 def _deep(root: ElementTree.Element, tag: str) -> bytes:
@@ -248,7 +152,7 @@ def _attribute(root: ElementTree.Element, rng: np.random.Generator) -> Mutant:
         if what != "remove":
             element.set(f"{key}s" if what == "misspell" else key.upper(), value)
     loses = what != "remove" and element is not changed
-    return Mutant(0, f"{what} {key} of {element.tag}", _written(changed), loses)
+    return Mutant(0, f"{what} {key} of {element.tag}", _written(changed), LOST * loses)
 
 
 def _encoding(root: ElementTree.Element, rng: np.random.Generator) -> Mutant:

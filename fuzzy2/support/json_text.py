@@ -1,0 +1,81 @@
+"""JSON documents in which every name is given once, and every number is one."""
+
+from __future__ import annotations
+
+import json
+from typing import Any, NoReturn
+
+from fuzzy2.errors import MalformedFile
+
+
+class _Repeated(dict[str, Any]):
+    """Object in which a name is given twice, which ``json`` would pass over in silence."""
+
+    name: str
+
+
+def parse_json(text: str, source: str = "document") -> Any:
+    """Return a JSON document: dictionaries, lists, strings, numbers, True, False and None.
+
+    Parameters
+    ----------
+    text : str
+        The document.
+    source : str
+        What error messages call it.
+
+    Raises
+    ------
+    MalformedFile
+        If it is not JSON (``place`` is the line and column), or is nested too deeply, has a number
+        that JSON has no word for, has half of a surrogate pair in a string, or gives a name twice
+        (``place`` is the path).
+    """
+    try:
+        document = json.loads(
+            text, object_pairs_hook=_without_repetition, parse_constant=_refuse_constant
+        )
+        repeated = _first_repeated(document, "$")
+        if "\\ud" in text.lower():
+            json.dumps(document, ensure_ascii=False).encode()
+    except json.JSONDecodeError as error:
+        raise MalformedFile(
+            source, f"line {error.lineno}, column {error.colno}", error.msg
+        ) from None
+    except UnicodeEncodeError as error:
+        reason = f"has half of a pair of characters, {error.object[error.start]!r}"
+        raise MalformedFile(source, "$", reason) from None
+    except RecursionError:
+        raise MalformedFile(source, "$", "is nested too deeply") from None
+    except ValueError as error:  # an integer of thousands of digits, or NaN
+        raise MalformedFile(source, "$", str(error)) from None
+    if repeated:
+        raise MalformedFile(source, repeated, "is given twice")
+    return document
+
+
+def _refuse_constant(name: str) -> NoReturn:
+    raise ValueError(f"{name} is not a number of JSON")
+
+
+def _without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) == len(pairs):
+        return found
+    names = [name for name, _ in pairs]
+    marked = _Repeated(pairs)
+    marked.name = next(name for i, name in enumerate(names) if name in names[:i])
+    return marked
+
+
+def _first_repeated(value: Any, path: str) -> str:
+    """Return the path of the first name that is given twice, or nothing."""
+    if isinstance(value, _Repeated):
+        return f"{path}.{value.name}"
+    if isinstance(value, dict):
+        parts = [(f"{path}.{name}", one) for name, one in value.items()]
+    elif isinstance(value, list) and any(isinstance(one, dict | list) for one in value):
+        parts = [(f"{path}[{i}]", one) for i, one in enumerate(value)]
+    else:
+        return ""
+    return next((found for name, one in parts if (found := _first_repeated(one, name))), "")
