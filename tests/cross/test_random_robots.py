@@ -20,10 +20,10 @@ from hypothesis import HealthCheck, assume, event, given, settings
 from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
 
+from psp3.closure.structure import TOLD_MISMATCH
 from psp3.errors import (
     ClosureFailed,
     DependentCoordinates,
-    InvalidValue,
     MobilityMismatch,
     NoFiniteAnswer,
     RoundedLoops,
@@ -32,6 +32,7 @@ from psp3.errors import (
 )
 from psp3.multibody.equations import Coupling, Hinge
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.implementations import unknown_to_the_thesis
 from psp3.simulation.dormand_prince import DormandPrince
 from tests import examples
 from tests.helpers import Array, derivative
@@ -86,13 +87,21 @@ def after(robot: ClosedLoopRobot, q: Array, way: Array) -> Array:
 
 
 def made(parts: Parts) -> ClosedLoopRobot:
-    """Return the robot, where it is one."""
+    """Return the robot, where it is one, and where its loops are not told to be rounded.
+
+    All loops here are exact; but where a chain is nearly stretched, a warning may say otherwise.
+    """
     try:
-        return parts.robot()
+        robot = parts.robot()
     except NO_ROBOT as error:
         event(f"no robot: {type(error).__name__}")
         assume(False)
         raise
+    mismatch = max(robot.closure_mismatch.length, robot.closure_mismatch.angle)
+    if mismatch > TOLD_MISMATCH:
+        event("told: loops are rounded")
+        assume(False)
+    return robot
 
 
 def somewhere(robot: ClosedLoopRobot, seed: int, reach: float = 0.05) -> State:
@@ -235,12 +244,10 @@ def test_every_route_gives_the_same(parts: Parts, seed: int) -> None:
     robot, x, v = state.robot, state.positions, state.speeds
     M, C, G = robot.equation_of_motion(x, v)
     for name in ("pinocchio", "noc"):
-        try:
-            route = robot.dynamics(name)
-        except InvalidValue as error:
-            assert name == "noc", error
+        if name == "noc" and unknown_to_the_thesis(robot):
             event("unknown to noc")
             continue
+        route = robot.dynamics(name)
         event(f"by {name}")
         mass, coriolis, gravity = route.equation_of_motion(x, v)
         for ours, theirs in ((M, mass), (C @ v, coriolis @ v), (G, gravity)):
