@@ -143,7 +143,7 @@ def without_shapes(systems: Iterable[Any]) -> dict[str, float]:
 
     Gaussians and trapezoids are none of these. Without shapes ``pow`` and its tables are spared.
     """
-    for system in systems:
+    for system in (part for one in systems for part in _tabled(one)):
         table, reducer = getattr(system, "table", None), getattr(system, "reducer", None)
         if table is None:
             table = getattr(reducer, "table", None)
@@ -153,6 +153,14 @@ def without_shapes(systems: Iterable[Any]) -> dict[str, float]:
         if (kinds >= SAMPLES).any():
             return {}
     return {"SAMPLES": math.inf}
+
+
+def _tabled(system: Any) -> list[Any]:
+    """Return the systems whose tables are exported: where each α-plane has its own, the planes."""
+    is_one = not isinstance(system, GeneralType2System) or system.reduction == "gaussian"
+    if is_one or (system.table is not None and system.in_one_loop):
+        return [system]
+    return [plane for _, plane in system.explained_by]
 
 
 def _functions_left_out(systems: Iterable[Any]) -> tuple[str, ...]:

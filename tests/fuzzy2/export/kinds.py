@@ -39,9 +39,13 @@ def of_terms(terms: list[Any], **options: Any) -> Any:
     return fuzzy2.IntervalType2System([terms, terms], RULES, numbers(9, 1), **options)
 
 
-def planes(**options: Any) -> Any:
-    terms = [[fuzzy2.GaussianType2Set(fuzzy2.Gaussian(m, 0.5), 0.01) for m in CENTERS]] * 2
-    return fuzzy2.GeneralType2System(terms, RULES, numbers(9, 2), **options)
+def planes(shape: Any = None, **options: Any) -> Any:
+    principals = [
+        fuzzy2.Gaussian(m, 0.5) if shape is None else shape(m - 1.0, m, m + 1.0) for m in CENTERS
+    ]
+    terms = [[fuzzy2.GaussianType2Set(one, 0.01) for one in principals]] * 2
+    options.setdefault("consequents", numbers(9, 2))
+    return fuzzy2.GeneralType2System(terms, RULES, **options)
 
 
 def slices() -> Any:
@@ -186,6 +190,17 @@ KINDS: dict[str, Any] = {
     "planes": planes,
     "corollary": lambda: planes(reduction="gaussian"),
     "planes of their own": slices,
+    "planes, nie-tan": lambda: planes(method="nie_tan"),
+    "planes, wu-mendel": lambda: planes(method="wu_mendel"),
+    "planes, silent": lambda: planes(default_outputs=[0.5, None]),
+    "planes of united outputs": lambda: planes(
+        consequents=sets(triangle),
+        type_reduction="centroid",
+        t_norm="min",
+        integration="sum",
+        resolution=41,
+    ),
+    "planes of triangles": lambda: planes(fuzzy2.Triangular, t_norm="min"),
     "or, not, hedges, weights, silence, defaults": with_or_not_hedges,
     "side by side": side_by_side,
     "clouds": of_clouds,
