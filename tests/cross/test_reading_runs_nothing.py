@@ -78,7 +78,7 @@ def read_in(folder: Path, kind: str) -> tuple[str, str]:
     if kind == "csv":
         rows = "".join(f"{0.1 * k},{0.1},{0.1},{0.1}\n" for k in range(9))
         Path(path).write_text(f"t,a1,a2,a3\n{rows}", encoding="utf-8")
-        read = f"psp3.trajectories.FromFile({path!r}, robot)"
+        read = f"psp3.trajectories.FromCSV({path!r}, robot)"
         return f"{load}\nrobot = psp3.load('psp3')", read
     robot = psp3.load("psp3")
     hold = psp3.trajectories.Hold(robot=robot)
