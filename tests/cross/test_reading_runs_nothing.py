@@ -42,7 +42,8 @@ listening = False
 print(json.dumps(heard))
 """
 
-RUN = ("exec", "compile", "os.system", "os.exec", "os.fork", "os.posix_spawn", "subprocess.Popen")
+# Python compiles the headers of NumPy's arrays to see what they say; nothing runs them.
+RUN = ("exec", "os.system", "os.exec", "os.fork", "os.posix_spawn", "subprocess.Popen")
 ASK = ("socket.connect", "socket.bind", "socket.getaddrinfo", "urllib.Request", "webbrowser.open")
 LOAD = ("import", "pickle.find_class", "marshal.loads", "ctypes.dlopen")
 
