@@ -265,13 +265,12 @@ class DependentCoordinates(PSP3Error, ValueError):
         elif others:
             reason = (
                 f"joint {joint!r} is determined by {', '.join(others)}, or has not one degree of "
-                "freedom in one coordinate: name another in coordinates=[...]"
+                "freedom: name another in coordinates=[...]"
             )
         else:
             reason = (
                 f"joint {joint!r} cannot be a coordinate, because it does not move or has not one "
-                "degree of freedom in one coordinate: give it limits, or name another in "
-                "coordinates=[...]"
+                "degree of freedom: name another in coordinates=[...]"
             )
         super().__init__(reason)
 

@@ -116,8 +116,8 @@ class GeneralType2System(FuzzySystem):
                 "reduction by alpha-planes",
                 "it needs minimum secondary grades; under the product it depends on the grid",
             )
-        elif uncertain:
-            # A consequent whose planes have no centroid is refused here and not at the first call.
+        elif uncertain or method in DIRECT_METHODS:
+            # What has no centroid on its planes is refused here and not at the first call.
             self._plane(0)
 
     @property

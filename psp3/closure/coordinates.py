@@ -122,7 +122,7 @@ def chosen_coordinates(
     held: list[int] = []
     rows = [np.eye(model.nv)[v] for v in velocities]
     while choice.left:
-        row, spin = choice.best(springs or {}, free == "keep", found.home)
+        row, spin = choice.best(springs or {}, found.home)
         rows.append(row)
         choice.remove(row)
         velocity = int(np.argmax(np.abs(row)))
@@ -189,7 +189,7 @@ class _Choice:
             if not self.model.existJointName(name) or name == self.model.names[0]:
                 raise UnknownName("coordinate", name, tuple(self.model.names)[1:])
             joint = self.model.joints[self.model.getJointId(name)]
-            if (joint.nq, joint.nv) != (1, 1) or not self.measures(joint.idx_v) > self.least:
+            if joint.nv != 1 or not self.measures(joint.idx_v) > self.least:
                 raise DependentCoordinates(name, [self.names[v] for v in taken])
             self.take([joint.idx_v])
             taken.append(joint.idx_v)
@@ -229,9 +229,7 @@ class _Choice:
         able = [basis for basis in self.bases if np.linalg.norm(row @ basis) > self.least]
         self.bases = [basis @ null_space((row @ basis)[np.newaxis], 0.5) for basis in able]
 
-    def best(
-        self, springs: Mapping[str, Any], scalar: bool, home: Array
-    ) -> tuple[Array, Spin | None]:
+    def best(self, springs: Mapping[str, Any], home: Array) -> tuple[Array, Spin | None]:
         """Return the row that measures one more motion by the rule, for a ball with its spin."""
         found: list[tuple[float, int, Array, Spin | None]] = []
         for index in range(1, self.model.njoints):
@@ -247,17 +245,13 @@ class _Choice:
                 for velocity in range(joint.idx_v, joint.idx_v + joint.nv):
                     row = np.eye(self.model.nv)[velocity]
                     rank = 0 if name in springs else 1
-                    # An angle kept as cosine and sine is no coordinate of its own.
-                    rank = 3 if scalar and joint.nq != joint.nv else rank
                     found.append((self.worst(row), rank, row, None))
         best = max((one[0] for one in found), default=0.0)
         if not best > self.least:
             raise DependentCoordinates("", [])
         good = [one for one in found if one[0] >= GOOD_SHARE * best]
         # Of equals the first.
-        _, rank, row, spin = min(good, key=lambda one: one[1])
-        if scalar and rank == 3:
-            raise DependentCoordinates(self.names[int(np.argmax(row))], [])
+        _, _, row, spin = min(good, key=lambda one: one[1])
         return row, spin
 
 

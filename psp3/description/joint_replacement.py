@@ -120,7 +120,7 @@ def replace_joints(
         if model.existJointName(name) and name not in kinds:
             joint = model.joints[model.getJointId(name)]
             if joint.nq == 2 and joint.nv == 1:
-                new_joints[name] = [(name, _revolute_like(joint))]
+                new_joints[name] = [(name, revolute_like(joint))]
     if not kinds and not new_joints:
         return model, visual_model
     model, visual_model = rebuilt(model, visual_model, new_joints, path)
@@ -174,7 +174,7 @@ def _joints_of(name: str, kind: str) -> list[tuple[str, Any]]:
     return [(f"{name}_{axis}", ABOUT[axis]()) for axis in kind[-2:]]
 
 
-def _revolute_like(joint: Any) -> Any:
+def revolute_like(joint: Any) -> Any:
     """Return the revolute with one coordinate about the axis of one with two."""
     kind = joint.shortname()
     if kind[-1] in ABOUT:

@@ -156,6 +156,8 @@ class Core:
         self._settle(guess, self._reference)
         for group in range(int(self.tree[GROUPS])):
             pivot = abs(self._reference[int(self.tree[AT_SIGNS]) + group])
+            # Loops without a joint that follows have none that could be singular.
+            pivot = pivot if np.isfinite(pivot) else 0.0
             at = int(self.tree[AT_TOLERANCES]) + GROUP_NUMBERS * group
             self.numbers[at + 2] = NEAR_SINGULAR * pivot
             self.numbers[at + WEAKEST_AT] = weakest * pivot

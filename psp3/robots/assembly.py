@@ -25,6 +25,7 @@ from psp3.robots.simple_joints import (
     SimpleTree,
     base_in_loop,
     can_spin,
+    of_several,
     parts_of_base,
     with_simple_joints,
 )
@@ -80,7 +81,7 @@ def assembled(
 
     Raises
     ------
-    UnknownName, RoundedLoops, MobilityMismatch, DependentCoordinates
+    UnknownName, InvalidValue, RoundedLoops, MobilityMismatch, DependentCoordinates
         See :class:`psp3.ClosedLoopRobot`.
     """
     model, free = tree.model, options["free"]
@@ -95,6 +96,7 @@ def assembled(
     tree = tree._replace(model=model)
     base: int | None = None
     spins: list[Any] = []
+    chains: list[int] = []
     try:
         chosen = chosen_coordinates(
             *(model, found, every, motors, free),
@@ -106,9 +108,10 @@ def assembled(
             raise
     else:
         spins = [one for one in chosen.spins if free == "keep" and can_spin(model, one)]
-    if spins or base is not None:
+        chains = of_several(model, chosen.speeds.tolist(), chosen.held)
+    if spins or chains or base is not None:
         kept = kept if base is None else [*kept, *parts_of_base(model, base)]
-        simple = with_simple_joints(tree._replace(home=found.home), spins, base)
+        simple = with_simple_joints(tree._replace(home=found.home), spins, base, chains)
         return assembled(simple, actuated, options, kept)
     # A floating base is kept whatever becomes of other motions.
     if not chosen.names or (free == "refuse" and chosen.locked):

@@ -16,6 +16,8 @@ from psp3.multibody.named_frames import frame_number
 CLOSURE_KINDS = ("3d", "6d", "hinge")
 """Kinds of closures that can be added: a point; position and direction; a point and an axis."""
 
+ONE_FREEDOM = "a joint of one degree of freedom: write a joint of several as a chain of such joints"
+
 
 def check_parts(
     model: Any,
@@ -73,7 +75,10 @@ def motor_matrix(
         for joint, lever in tendons.get(name, {name: 1.0}).items():
             if not model.existJointName(joint) or joint == model.names[0]:
                 raise UnknownName("actuated joint", joint, tuple(model.names)[1:])
-            matrix[model.joints[model.getJointId(joint)].idx_v, column] += lever
+            driven = model.joints[model.getJointId(joint)]
+            if driven.nv != 1:
+                raise InvalidValue("actuated joint", joint, ONE_FREEDOM)
+            matrix[driven.idx_v, column] += lever
     return matrix
 
 

@@ -1,4 +1,4 @@
-"""Simple joints in place of balls and bases, so that what nothing commands has a coordinate.
+"""Simple joints in place of others, so that whatever is a coordinate has a number and a name.
 
 A ball joint has a quaternion, of which no number is the spin about an axis. Where that spin is to
 be a coordinate, three hinges stand in the ball's place: ``<ball>_swing`` and ``<ball>_tilt``, a
@@ -9,6 +9,10 @@ A floating base in a loop, as of a robot that stands on a point of its foot, kee
 motions. So that they have coordinates, slides ``<base>_x``, ``_y`` and ``_z`` and hinges
 ``<base>_yaw``, ``_pitch`` and ``_roll`` stand in its place, singular at a pitch of a right angle;
 of a planar base ``_x``, ``_y`` and ``_yaw``. So it is with all that floats but the first.
+
+An angle that is kept as cosine and sine becomes a plain one where it is a coordinate. A universal
+joint, three sliding directions, or whatever else is a chain of joints in one, becomes that chain,
+``<joint>_1``, ``<joint>_2``, ..., where a part of it is a coordinate or held.
 """
 
 from __future__ import annotations
@@ -21,7 +25,13 @@ import pinocchio as pin
 
 from psp3.checks import Array
 from psp3.closure.coordinates import bases, floating_base
-from psp3.description.joint_replacement import rebuilt
+from psp3.description.joint_replacement import (
+    PER_DEGREE_OF_FREEDOM,
+    POSITION_LIMITS,
+    rebuilt,
+    revolute_like,
+)
+from psp3.errors import UnsupportedJoint
 from psp3.multibody.equations import Coupling, Hinge, Spin
 from psp3.robots.pickling import constraints, plain
 
@@ -40,6 +50,10 @@ SYMMETRIC = 1e-6
 """Share of its largest moment, and of its size, by which a body that spins may be off its axis; the
 axis of a spin is found to 1e-8.
 """
+
+
+SAME_ORIGIN = 1e-12
+"""How far the axes of a chain may miss the origin of its joint [m]."""
 
 
 def is_round(model: pin.Model, spin: Spin) -> bool:
@@ -83,8 +97,22 @@ def parts_of_base(model: pin.Model, base: int) -> list[str]:
     return [f"{name}_{part}" for part in parts]
 
 
-def with_simple_joints(tree: SimpleTree, spins: Sequence[Spin], base: int | None) -> SimpleTree:
-    """Return a tree with simple joints in place of the balls that spin and of a base.
+def of_several(model: pin.Model, speeds: Sequence[int], held: Sequence[int]) -> list[int]:
+    """Return the joints that a coordinate, or what is held, is only a part of."""
+    found = []
+    for joint in list(model.joints)[1:]:
+        own = range(joint.idx_v, joint.idx_v + joint.nv)
+        is_chain = joint.nq == joint.nv > 1 and any(v in own for v in (*speeds, *held))
+        is_turning = (joint.nq, joint.nv) == (2, 1) and joint.idx_v in speeds
+        if is_chain or is_turning:
+            found.append(int(joint.id))
+    return found
+
+
+def with_simple_joints(
+    tree: SimpleTree, spins: Sequence[Spin], base: int | None, chains: Sequence[int] = ()
+) -> SimpleTree:
+    """Return a tree with simple joints in place of the balls that spin, of a base and of chains.
 
     Parameters
     ----------
@@ -94,14 +122,22 @@ def with_simple_joints(tree: SimpleTree, spins: Sequence[Spin], base: int | None
         The balls, each with its axis, and with the quaternion of the reference pose.
     base : int or None
         The joint of the base.
+    chains : sequence of int
+        Joints that are chains of others, or whose angle is kept as cosine and sine.
+
+    Raises
+    ------
+    UnsupportedJoint
+        If the joints of a chain are apart from each other.
     """
     model, home = tree.model, tree.home
     assert home is not None
     replaced = {spin.name: _of_ball(spin) for spin in spins}
     if base is not None:
         replaced[str(model.names[base])] = _of_base(model, base, home)
+    replaced |= {str(model.names[joint]): _of_chain(model, joint, home) for joint in chains}
     new_joints = {
-        name: [(f"{name}_{part}", joint) for part, joint, _ in parts]
+        name: [(f"{name}_{part}" if part else name, joint) for part, joint, _ in parts]
         for name, parts in replaced.items()
     }
     new, shapes = rebuilt(model, tree.visual_model, new_joints, str(model.name))
@@ -116,6 +152,10 @@ def with_simple_joints(tree: SimpleTree, spins: Sequence[Spin], base: int | None
             same = new.joints[new.getJointId(name)]
             q[same.idx_q : same.idx_q + same.nq] = home[joint.idx_q : joint.idx_q + joint.nq]
             number.append(same.id)
+    for joint in chains:
+        if model.joints[joint].nv > 1:
+            first = new_joints[str(model.names[joint])][0][0]
+            _as_before(model, joint, new, new.getJointId(first))
     loops = [
         one._replace(joints=(number[one.joints[0]], number[one.joints[1]]))
         for one in plain(tree.constraint_models)
@@ -142,6 +182,46 @@ def _of_base(model: pin.Model, base: int, home: Array) -> list[tuple[str, Any, f
     )
     names = ("x", "y", "z", "yaw", "pitch", "roll")
     return list(zip(names, kinds, map(float, (*x[:3], yaw, pitch, roll)), strict=True))
+
+
+def _of_chain(model: pin.Model, number: int, home: Array) -> list[tuple[str, Any, float]]:
+    """Return names, joints and coordinates of a chain, or of an angle in two coordinates."""
+    joint = model.joints[number]
+    x = home[joint.idx_q : joint.idx_q + joint.nq]
+    if joint.nv == 1:
+        return [("", revolute_like(joint), float(np.arctan2(x[1], x[0])))]
+    jacobian = pin.computeJointJacobian(model, model.createData(), pin.neutral(model), number)
+    screws = jacobian.reshape(6, model.nv)[:, joint.idx_v : joint.idx_v + joint.nv].T
+    name = str(model.names[number])
+    return [
+        (str(k), _along(name, joint, screw), float(value))
+        for k, (screw, value) in enumerate(zip(screws, x, strict=True), start=1)
+    ]
+
+
+def _along(name: str, joint: Any, screw: Array) -> Any:
+    """Return the joint of one screw through the origin."""
+    slide, turn = screw[:3], screw[3:]
+    if not turn.any():
+        return pin.JointModelPrismaticUnaligned(slide)
+    pitch = float(slide @ turn)
+    if np.abs(slide - pitch * turn).max() > SAME_ORIGIN:
+        raise UnsupportedJoint(name, joint.shortname())
+    if abs(pitch) > SAME_ORIGIN:
+        return pin.JointModelHelicalUnaligned(turn, pitch)
+    return pin.JointModelRevoluteUnaligned(turn)
+
+
+def _as_before(model: pin.Model, old: int, new: pin.Model, first: int) -> None:
+    """Give the joints of a chain what the one joint had for each of its degrees of freedom."""
+    before, after = model.joints[old], new.joints[first]
+    for attributes, places, nows, count in (
+        (PER_DEGREE_OF_FREEDOM, before.idx_v, after.idx_v, before.nv),
+        (POSITION_LIMITS, before.idx_q, after.idx_q, before.nq),
+    ):
+        for attribute in attributes:
+            values = getattr(model, attribute)[places : places + count]
+            getattr(new, attribute)[nows : nows + count] = values
 
 
 def _of_ball(spin: Spin) -> list[tuple[str, Any, float]]:

@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 from numpy.testing import assert_array_equal
 
-from psp3.errors import UnknownName
+from psp3.errors import InvalidValue, UnknownName
 from psp3.multibody.equations import Hinge
 from psp3.robots.construction import CLOSURE_KINDS, motor_matrix, named_closures
 
@@ -25,6 +25,16 @@ def test_a_motor_drives_its_joint_and_a_tendon_several() -> None:
     assert_array_equal(matrix, [[0.0, 0.5], [1.0, -0.2]])
     with pytest.raises(UnknownName, match="three"):
         motor_matrix(two_joints(), ["pull"], {"pull": {"three": 1.0}})
+
+
+def test_a_motor_on_a_joint_of_several_freedoms_is_refused() -> None:
+    """It would drive the first of them."""
+    model = two_joints()
+    model.addJoint(0, pin.JointModelTranslation(), pin.SE3.Identity(), "slides")
+    with pytest.raises(InvalidValue, match=r"one degree of freedom.*'slides'"):
+        motor_matrix(model, ["slides"], {})
+    with pytest.raises(InvalidValue, match="'slides'"):
+        motor_matrix(model, ["pull"], {"pull": {"one": 0.5, "slides": -0.2}})
 
 
 def test_a_frame_that_is_joined_to_the_world_stays_where_it_is() -> None:

@@ -15,7 +15,7 @@ import pytest
 
 import psp3
 from psp3.closure.coordinates import bases, floating_base
-from psp3.errors import InvalidRobotFile
+from psp3.errors import InvalidRobotFile, UnsupportedJoint
 from psp3.robots.simple_joints import base_in_loop, parts_of_base
 from psp3.simulation.runge_kutta import RungeKutta
 from tests.helpers import Array, derivative
@@ -234,3 +234,65 @@ def test_only_held_motions_that_something_feels_are_told(
     damped = rod().replace('<joint type="ball" name="ball"/>', DAMPED_BALL)
     assert loaded(tmp_path, damped, free="keep").locked
     assert "no hinges can replace it" in caplog.text
+
+
+def several(offset: float = 0.0) -> pin.Model:
+    """Return an arm on joints of two and three freedoms, and an angle in two coordinates."""
+    pair = pin.JointModelComposite()
+    pair.addJoint(pin.JointModelRY())
+    pair.addJoint(pin.JointModelPZ())
+    pair.addJoint(pin.JointModelRX(), pin.SE3(np.eye(3), np.array([offset, 0.0, 0.0])))
+    kinds = {
+        "base": pin.JointModelRZ(),
+        "universal": pin.JointModelUniversal(np.eye(3)[0], np.eye(3)[1]),
+        "turning": pin.JointModelRUBY(),
+        "angles": pin.JointModelSphericalZYX(),
+        "slides": pin.JointModelTranslation(),
+        "pair": pair,
+    }
+    model, parent = pin.Model(), 0
+    for number, (name, joint) in enumerate(kinds.items(), start=1):
+        place = pin.SE3(pin.rpy.rpyToMatrix(0.2, -0.3, 0.4), np.array([0.1, 0.3, 0.4]))
+        parent = model.addJoint(parent, joint, place, name)
+        inertia = pin.Inertia(1.0 + number, np.array([0.1, 0.05, -0.1]), 0.1 * np.eye(3))
+        model.appendBodyToJoint(parent, inertia, pin.SE3.Identity())
+    model.damping[:] = np.linspace(0.1, 0.5, model.nv)
+    return model
+
+
+def test_parts_of_a_joint_are_coordinates_by_their_own_names() -> None:
+    """All freedoms kept: RNEA of the tree as it was given, with damping joint by joint. 1e-12."""
+    model, rng = several(), np.random.default_rng(4)
+    robot = psp3.ClosedLoopRobot(model, [], ("base", "turning"), free="keep")
+    assert robot.coordinates == (
+        *("base", "turning", "universal_1", "universal_2", "angles_1", "angles_2", "angles_3"),
+        *("slides_1", "slides_2", "slides_3", "pair_1", "pair_2", "pair_3"),
+    )
+    order = [robot.model.joints[robot.model.getJointId(name)].idx_v for name in robot.coordinates]
+    data = model.createData()
+    for _ in range(5):
+        q, v, a = rng.uniform(-0.7, 0.7, (3, model.nv))
+        forces = robot.inverse_dynamics(q[order], v[order], a[order])
+        given = np.concatenate([q[:3], [np.cos(q[3]), np.sin(q[3])], q[4:]])
+        expected = pin.rnea(model, data, given, v, a) + model.damping * v
+        np.testing.assert_allclose(
+            forces, expected[order], rtol=0.0, atol=1e-12 * np.abs(expected).max()
+        )
+
+
+def test_parts_of_a_joint_are_held_by_their_own_names() -> None:
+    robot = psp3.ClosedLoopRobot(several(), [], ("base",))
+    names = [one.joint for one in robot.locked]
+    assert len(names) == len(set(names)) == 12
+    other = robot.dynamics("pinocchio")
+    for ours, theirs in zip(
+        robot.equation_of_motion([0.3], [0.2]),
+        other.equation_of_motion([0.3], [0.2]),
+        strict=True,
+    ):
+        np.testing.assert_allclose(ours, theirs, rtol=1e-10, atol=1e-10)
+
+
+def test_a_chain_whose_joints_are_apart_is_told() -> None:
+    with pytest.raises(UnsupportedJoint, match="pair"):
+        psp3.ClosedLoopRobot(several(0.2), [], ("base",), free="keep")
