@@ -1,0 +1,338 @@
+"""Misuse: a public callable with good arguments but one, and what may come of it.
+
+Of each argument a good value is known. It is replaced by each of the things that people pass by
+mistake (:func:`mistakes`), and by the same numbers in another form (:func:`other_forms`). A mistake
+must be refused by an error of the project, with a message that can be shown; a number that is only
+very large or very small may also be computed with, if what comes of it is finite. Another form must
+give the very same numbers. No argument is ever written to.
+"""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import importlib
+import inspect
+import math
+import pkgutil
+import warnings
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from pathlib import Path
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fuzzy2.errors import RaisedOnPurpose
+
+LONGEST_MESSAGE = 3000
+"""More than this is no message but a listing [characters]."""
+
+ONLY_UNUSUAL = ("huge", "tiny", "true", "huge entries", "tiny entries", "true entries")
+"""Numbers like any other: an answer to them is no fault if it is finite."""
+
+ROUNDS = (np.float32, np.int64)
+
+
+class Call(NamedTuple):
+    """A public callable with a good value of each of its parameters.
+
+    ``takes`` names, argument by argument, the mistakes that are none there (a title may be any
+    text), ``"*"`` for all of them. ``reads`` turns what the callable returns into what must be
+    finite and the same for every form of an argument; without it all numbers in it are.
+    """
+
+    function: Callable[..., Any]
+    arguments: Mapping[str, Any]
+    takes: Mapping[str, Collection[str]] = {}
+    reads: Callable[[Any], Any] | None = None
+
+
+class Outcome(NamedTuple):
+    """What came of a call: an answer in numbers, an error on purpose, or a ``fault`` in words."""
+
+    numbers: list[np.ndarray[Any, Any]] | None
+    error: BaseException | None
+    fault: str
+
+
+def mistakes(good: Any) -> Iterator[tuple[str, Any]]:
+    """Yield what may stand in place of a good argument, each with its name."""
+    yield "NaN", math.nan
+    yield "infinite", math.inf
+    yield "huge", 1e300
+    yield "tiny", 1e-320
+    yield "400 digits", 10**400
+    yield "5000 digits", 10**5000  # more digits than Python turns into text
+    yield "complex", 1.0 + 1.0j
+    yield "true", True
+    yield "text", "no such thing"
+    yield "bytes", b"no such thing"
+    yield "object", object()
+    yield "date", np.datetime64("2020-02-20")
+    yield "masked", np.ma.masked
+    yield "empty", []
+    yield "ragged", [[1.0, 2.0], [3.0]]
+    yield "mapping", {"a": 1.0}
+    if good is not None:
+        yield "None", None
+    if not is_numbers(good):
+        return
+    array = np.array(good, dtype=np.float64)
+    yield from _wrong_entries(array)
+    yield "one entry too many", np.zeros((*array.shape[:-1], array.shape[-1] + 1))
+    yield "one entry too few", np.zeros((*array.shape[:-1], array.shape[-1] - 1))
+    yield "column", array[..., None]
+
+
+def _wrong_entries(array: np.ndarray[Any, Any]) -> Iterator[tuple[str, Any]]:
+    """Yield arrays of the right shape with one wrong entry, or all of a wrong kind."""
+    for name, value in (("NaN entry", math.nan), ("infinite entry", math.inf)):
+        wrong = array.copy()
+        wrong.flat[-1] = value
+        yield name, wrong
+    for name, value in (
+        ("None entry", None),
+        ("text entry", "1.0"),
+        ("entry of 400 digits", 10**400),
+        ("date entry", np.datetime64("2020-02-20")),
+        ("object entry", object()),
+    ):
+        mixed = array.astype(object)
+        mixed.flat[-1] = value
+        yield name, mixed
+    yield "complex entries", array + 1e-20j
+    yield "text entries", array.astype(str)
+    yield "bytes entries", array.astype(bytes)
+    yield "date entries", np.full(array.shape, np.datetime64("2020-02-20"))
+    yield "void entries", np.zeros(array.shape, dtype=[("a", float)])
+    yield "masked entries", np.ma.masked_array(array, mask=np.arange(array.size) == array.size - 1)
+    yield "huge entries", np.copysign(1e300, array)
+    yield "tiny entries", np.copysign(1e-320, array)
+    yield "true entries", np.ones(array.shape, dtype=bool)
+
+
+def other_forms(good: Any) -> Iterator[tuple[str, Any, Any]]:
+    """Yield a good number or array in another form, with the plain one of the same numbers."""
+    if isinstance(good, float | int) and not isinstance(good, bool):
+        rounded = float(np.float32(good))
+        yield "numpy's float", np.float64(good), good
+        yield "float32", np.float32(good), rounded
+        if isinstance(good, int):
+            yield "numpy's int", np.int32(good), good
+        elif math.isfinite(good):
+            yield "int", round(good), float(round(good))
+    if not is_numbers(good):
+        return
+    array = np.array(good, dtype=np.float64)
+    for kind in ROUNDS:
+        coarse = (np.rint(array) if kind is np.int64 else array).astype(kind)
+        yield kind.__name__, coarse, coarse.astype(np.float64)
+    spread = np.zeros((*array.shape[:-1], 2 * array.shape[-1]))
+    spread[..., ::2] = array
+    yield "strided", spread[..., ::2], array
+    yield "backward", np.ascontiguousarray(array[..., ::-1])[..., ::-1], array
+    yield "by columns", np.asfortranarray(array), array
+    yield "other byte order", array.astype(">f8"), array
+    yield "list", array.tolist(), array
+    yield "of objects", array.astype(object), array
+    kept = array.copy()
+    kept.flags.writeable = False
+    yield "read-only", kept, array
+
+
+def is_numbers(good: Any) -> bool:
+    """Tell whether a good argument is an array, a list or a tuple of numbers."""
+    if not isinstance(good, np.ndarray | list | tuple) or hasattr(good, "_fields"):
+        return False
+    try:
+        array = np.asarray(good)
+    except ValueError:
+        return False
+    return array.dtype.kind in "fi" and array.ndim > 0 and array.size > 0
+
+
+def numbers_in(thing: Any, deep: int = 5) -> list[np.ndarray[Any, Any]]:
+    """Return all numbers that something holds, down to a depth, as arrays."""
+    if isinstance(thing, bool | np.bool_ | str | bytes | Path) or thing is None or deep == 0:
+        return []
+    if isinstance(thing, int | float | complex | np.number):
+        return [np.asarray(thing)]
+    if isinstance(thing, np.ndarray) and thing.dtype.kind != "O":
+        return [thing] if thing.dtype.kind in "fiuc" else []
+    parts: Iterable[Any]
+    if isinstance(thing, Mapping):
+        parts = thing.values()
+    elif isinstance(thing, tuple | list | set | frozenset | np.ndarray):
+        parts = thing
+    elif dataclasses.is_dataclass(thing) and not isinstance(thing, type):
+        parts = [getattr(thing, field.name) for field in dataclasses.fields(thing)]
+    elif type(thing).__module__.startswith(("psp3", "fuzzy2")):
+        parts = [value for name, value in vars(thing).items() if not name.startswith("_")]
+    else:
+        parts = []
+    return [array for part in parts for array in numbers_in(part, deep - 1)]
+
+
+def outcome(call: Call, arguments: Mapping[str, Any]) -> Outcome:
+    """Call, and tell what came of it; a warning that is not the project's own is a fault."""
+    given = {name: _kept(value) for name, value in arguments.items()}
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        try:
+            answer = call.function(**arguments)
+            found = numbers_in(answer if call.reads is None else call.reads(answer))
+            result = Outcome(found, None, "")
+        except RaisedOnPurpose as error:
+            result = Outcome(None, error, _fault_of_message(error))
+        except Exception as error:
+            result = Outcome(None, error, f"foreign {type(error).__name__}: {str(error)[:200]}")
+    foreign = [one for one in told if not issubclass(one.category, RaisedOnPurpose)]
+    if foreign:
+        result = result._replace(fault=f"foreign warning: {foreign[0].message}")
+    written = [name for name, value in arguments.items() if not _same(given[name], value)]
+    return result._replace(fault=f"wrote to {', '.join(written)}") if written else result
+
+
+def faults(name: str, call: Call) -> list[str]:
+    """Return what is wrong with a callable, one line a fault."""
+    good = outcome(call, call.arguments)
+    if good.numbers is None or good.fault:
+        return [f"{name}: good arguments: {good.fault or good.error!r}"]
+    found = []
+    for argument, value in call.arguments.items():
+        for mistake, wrong in mistakes(value):
+            fault = _fault_of_mistake(call, argument, mistake, wrong)
+            if fault:
+                found.append(f"{name}: {argument} = {mistake}: {fault}")
+        for form, changed, plain in other_forms(value):
+            fault = _fault_of_form(call, argument, changed, plain)
+            if fault:
+                found.append(f"{name}: {argument} as {form}: {fault}")
+    return found
+
+
+def tries(call: Call) -> int:
+    """Return how many calls :func:`faults` makes with something else than the good arguments."""
+    return sum(
+        len(list(mistakes(value))) + len(list(other_forms(value)))
+        for value in call.arguments.values()
+    )
+
+
+def public_packages(root: ModuleType) -> list[ModuleType]:
+    """Return a package and all below it that say what they offer."""
+    names = [
+        root.__name__,
+        *(
+            found.name
+            for found in pkgutil.walk_packages(root.__path__, f"{root.__name__}.")
+            if found.ispkg
+        ),
+    ]
+    packages = [importlib.import_module(name) for name in names]
+    return [package for package in packages if hasattr(package, "__all__")]
+
+
+def public_callables(packages: Iterable[ModuleType]) -> dict[str, Any]:
+    """Return functions, classes and their public methods with parameters, by name.
+
+    The name is that of the class or function, and of a method ``Class.method``. Errors and what is
+    no more than a type are left out.
+    """
+    found: dict[str, Any] = {}
+    for package in packages:
+        for name in package.__all__:
+            thing = getattr(package, name)
+            if inspect.isfunction(thing):
+                found[name] = thing
+            elif inspect.isclass(thing) and not issubclass(thing, BaseException):
+                found[name] = thing
+                found |= {f"{name}.{method}": function for method, function in methods_of(thing)}
+    return {name: thing for name, thing in found.items() if parameters_of(thing)}
+
+
+def methods_of(kind: type) -> Iterator[tuple[str, Any]]:
+    """Yield the public methods of a class that one of the packages wrote."""
+    for name in dir(kind):
+        static = inspect.getattr_static(kind, name)
+        function = getattr(static, "__func__", static)
+        if name.startswith("_") or not inspect.isfunction(inspect.unwrap(function)):
+            continue
+        if function.__module__.startswith(("psp3", "fuzzy2")):
+            yield name, function
+
+
+def parameters_of(function: Any) -> list[str]:
+    """Return the names of the parameters, without ``self`` and those of any number."""
+    several = (inspect.Parameter.VAR_KEYWORD, inspect.Parameter.VAR_POSITIONAL)
+    return [
+        name
+        for name, parameter in inspect.signature(function).parameters.items()
+        if name not in ("self", "cls") and parameter.kind not in several
+    ]
+
+
+def _fault_of_mistake(call: Call, argument: str, mistake: str, wrong: Any) -> str:
+    result = outcome(call, {**call.arguments, argument: wrong})
+    if result.fault or result.numbers is None:
+        return result.fault
+    taken = call.takes.get(argument, ())
+    if mistake in taken or "*" in taken:
+        return ""
+    if mistake not in ONLY_UNUSUAL:
+        return f"accepted, {_shown(result.numbers)}"
+    finite = all(np.isfinite(array).all() for array in result.numbers)
+    return "" if finite else f"an answer that is not finite, {_shown(result.numbers)}"
+
+
+def _fault_of_form(call: Call, argument: str, changed: Any, plain: Any) -> str:
+    expected = outcome(call, {**call.arguments, argument: plain})
+    result = outcome(call, {**call.arguments, argument: changed})
+    if result.fault:
+        return result.fault
+    if (expected.numbers is None) != (result.numbers is None):
+        return f"{_answer(result)}, where the plain one is {_answer(expected)}"
+    if expected.numbers is None or result.numbers is None:
+        return ""
+    same = len(expected.numbers) == len(result.numbers) and all(
+        np.array_equal(one, other, equal_nan=one.dtype.kind in "fc")
+        for one, other in zip(expected.numbers, result.numbers, strict=True)
+    )
+    return "" if same else f"{_shown(result.numbers)}, not {_shown(expected.numbers)}"
+
+
+def _answer(result: Outcome) -> str:
+    return "accepted" if result.numbers is not None else f"refused ({str(result.error)[:120]})"
+
+
+def _fault_of_message(error: BaseException) -> str:
+    try:
+        length = len(str(error))
+    except Exception as trouble:
+        return f"its message cannot be shown: {trouble!r}"
+    return f"a message of {length} characters" if length > LONGEST_MESSAGE else ""
+
+
+def _shown(numbers: list[np.ndarray[Any, Any]]) -> str:
+    return " ".join(str([array.tolist() for array in numbers])[:100].split())
+
+
+def _kept(value: Any) -> Any:
+    """Return a copy of what could be written to, and anything else as it is."""
+    return copy.deepcopy(value) if isinstance(value, np.ndarray | list | dict) else value
+
+
+def _same(before: Any, after: Any) -> bool:
+    if isinstance(before, np.ndarray):
+        return bool(
+            before.shape == after.shape
+            and before.dtype == after.dtype
+            and (
+                before.dtype.kind == "O"
+                or np.asarray(before).tobytes() == np.asarray(after).tobytes()
+            )
+        )
+    if isinstance(before, list | dict):
+        return repr(before) == repr(after)
+    return True
