@@ -7,9 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from fuzzy2.errors import InvalidValue
-from fuzzy2.learning.partition import whole_number
 from fuzzy2.sets.shapes import Triangular
-from fuzzy2.support.checks import real
+from fuzzy2.support.checks import real, whole_number
 
 NAMES = {
     3: ("poor", "average", "good"),

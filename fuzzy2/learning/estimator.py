@@ -19,7 +19,7 @@ from fuzzy2.learning.samples import (
     table_of_samples,
     weights_of,
 )
-from fuzzy2.support.checks import Array
+from fuzzy2.support.checks import Array, binary_exponent
 from fuzzy2.support.shown import Shown
 from fuzzy2.systems.explanation import Explanation
 from fuzzy2.systems.general_type2 import GeneralType2System
@@ -250,6 +250,9 @@ class Regressor(Estimator):
         if truth.shape != predicted.shape:
             raise InvalidValue("y", truth.shape, f"of {predicted.shape[1]} outputs, as in fit")
         weights = weights_of(sample_weight, len(predicted))
+        # The score has no unit, so that what is squared may be of any size.
+        exponent = max(binary_exponent(truth), binary_exponent(predicted), key=abs)
+        truth, predicted = np.ldexp(truth, -exponent), np.ldexp(predicted, -exponent)
         residual = weights @ (truth - predicted) ** 2
         total = weights @ (truth - weights @ truth / weights.sum()) ** 2
         with np.errstate(divide="ignore", invalid="ignore"):

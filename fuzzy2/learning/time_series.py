@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue
-from fuzzy2.learning.partition import whole_number
-from fuzzy2.support.checks import Array, reals
+from fuzzy2.support.checks import Array, reals, whole_number
 
 
 class Lagged(NamedTuple):

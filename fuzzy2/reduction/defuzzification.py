@@ -18,10 +18,10 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fuzzy2.errors import InvalidValue, NotApplicable, UnknownName
+from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.sets.curves import refined
 from fuzzy2.sets.type1 import ROUNDING, SampledSet, Type1Set
-from fuzzy2.support.checks import Array, reals
+from fuzzy2.support.checks import Array, known_name, reals
 
 Rule = TypeVar("Rule")
 
@@ -242,8 +242,7 @@ def _maxima(fuzzy_set: Type1Set) -> tuple[float, float]:
 
 
 def _named(method: str, rules: MappingProxyType[str, Rule]) -> Rule:
-    if method not in rules:
-        raise UnknownName("defuzzifier", method, tuple(rules))
+    known_name("defuzzifier", method, rules)
     return rules[method]
 
 
