@@ -29,6 +29,14 @@ class RaisedOnPurpose(BaseException):
         return type(self), self._arguments
 
 
+def in_words(value: object) -> str:
+    """Return how something given shows itself, or its kind where it cannot, in at most a line."""
+    try:
+        return " ".join(repr(value)[:120].split())
+    except Exception:  # whole numbers of thousands of digits, and what others wrote
+        return f"a {type(value).__name__} that cannot be shown"
+
+
 class Fuzzy2Error(RaisedOnPurpose, Exception):
     """Base of every error this package raises on purpose."""
 
@@ -38,7 +46,7 @@ class UnknownName(Fuzzy2Error, ValueError):
 
     def __init__(self, kind: str, name: object, known: Sequence[str]) -> None:
         self.name, self.known = name, tuple(known)
-        super().__init__(f"unknown {kind} {name!r}; known are {', '.join(known)}")
+        super().__init__(f"unknown {kind} {in_words(name)}; known are {', '.join(known)}")
 
 
 class InvalidValue(Fuzzy2Error, ValueError):
@@ -52,7 +60,7 @@ class InvalidValue(Fuzzy2Error, ValueError):
     def _shown(value: object) -> str:
         if isinstance(value, np.ndarray):
             return np.array2string(value, threshold=12)
-        return repr(value)[:120]
+        return in_words(value)
 
 
 class NotApplicable(Fuzzy2Error, ValueError):

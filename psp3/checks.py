@@ -6,13 +6,19 @@ Finite numbers of the right shape, or an error that says which.
 from __future__ import annotations
 
 import contextlib
+import decimal
 import math
+import numbers
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from psp3.errors import InvalidArray, InvalidValue
+
+MOST = 2**63 - 1
+"""Whoever gives a greater number does not mean to count to it."""
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -25,17 +31,23 @@ def as_floats(name: str, values: ArrayLike, shape: str) -> Array:
     ------
     InvalidArray
         If they are not real numbers. Complex ones are refused: their imaginary part would be lost
-        without a word.
+        without a word. So are masked ones: what is under a mask is not meant to be computed with.
     """
+    if isinstance(values, np.ma.MaskedArray):
+        raise InvalidArray(name, f"{shape} without a mask (take values.filled(...))", values)
     try:
         array = np.asarray(values)
-        if array.dtype.kind not in "fiubO":
-            raise InvalidArray(name, shape, values)
-        return np.ascontiguousarray(array, dtype=np.float64)
-    except InvalidArray:
-        raise
-    except (TypeError, ValueError) as error:
+        # Of objects numpy reads text as numbers, and dates as days.
+        if array.dtype.kind in "fiub" or (
+            array.dtype.kind == "O"
+            and all(isinstance(value, numbers.Real | decimal.Decimal) for value in array.flat)
+        ):
+            floats = np.ascontiguousarray(array, dtype=np.float64)
+            # Of what is read-only numba would compile every kernel anew, or refuse it.
+            return floats if floats.flags.writeable else floats.copy()
+    except (TypeError, ValueError, OverflowError) as error:
         raise InvalidArray(name, shape, values) from error
+    raise InvalidArray(name, shape, values)
 
 
 def finite_rows(name: str, values: ArrayLike, width: int) -> Array:
@@ -183,11 +195,21 @@ def checked_not_negative(name: str, value: object) -> float:
 def checked_count(name: str, value: object, least: int = 1) -> int:
     """Return a whole number.
 
-    Raise :class:`InvalidValue` if it is none, or less than the least one.
+    Raise :class:`InvalidValue` if it is none, less than the least one, or more than can be counted.
     """
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
+    if (
+        isinstance(value, bool)
+        or not isinstance(value, int | np.integer)
+        or not least <= value <= MOST
+    ):
         raise InvalidValue(name, value, f"a whole number of at least {least}")
     return int(value)
+
+
+def checked_robot(robot: Any) -> None:
+    """Raise :class:`InvalidValue` if something is no robot."""
+    if not hasattr(robot, "coordinates_v") or not hasattr(robot, "reference"):
+        raise InvalidValue("robot", robot, 'a robot, as psp3.load("delta") returns it')
 
 
 def one_or_each(name: str, values: ArrayLike, joints: int) -> Array:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import fuzzy2.errors
-from fuzzy2.errors import RaisedOnPurpose
+from fuzzy2.errors import RaisedOnPurpose, in_words
 from fuzzy2.support.checks import Array
 
 
@@ -43,7 +43,7 @@ class UnknownRobot(UnknownName):
         self.name, self.known = name, tuple(known)
         PSP3Error.__init__(
             self,
-            f"unknown robot {name!r}; known are {', '.join(known)}; of your own robot give the "
+            f"unknown robot {in_words(name)}; known are {', '.join(known)}; of your own robot give the "
             "file: psp3.load('my_robot.urdf'), or an .xml (MJCF) or .sdf",
         )
 
@@ -55,7 +55,7 @@ class InvalidArray(PSP3Error, ValueError):
         self.name, self.array = name, array
         try:
             values = np.asarray(array)
-        except ValueError:  # rows of different lengths
+        except Exception:  # rows of different lengths, and what others wrote
             values = np.asarray(None)
         if values.dtype.kind in "fiu":
             bad = np.count_nonzero(~np.isfinite(values))
@@ -63,7 +63,7 @@ class InvalidArray(PSP3Error, ValueError):
                 f", {bad} of its entries not finite: {_numbers(values)}" if bad else ""
             )
         else:
-            found = repr(array)[:80].replace("\n", " ")
+            found = in_words(array)
         super().__init__(f"{name} must be finite numbers of shape {shape}, got {found}")
 
 
@@ -72,7 +72,7 @@ class InvalidValue(fuzzy2.errors.InvalidValue, PSP3Error):
 
     @staticmethod
     def _shown(value: object) -> str:
-        return repr(value)
+        return in_words(value)
 
 
 class UnreachablePose(PSP3Error, ValueError):

@@ -168,10 +168,18 @@ def numbers_in(thing: Any, deep: int = 5) -> list[np.ndarray[Any, Any]]:
     elif dataclasses.is_dataclass(thing) and not isinstance(thing, type):
         parts = [getattr(thing, field.name) for field in dataclasses.fields(thing)]
     elif type(thing).__module__.startswith(("psp3", "fuzzy2")):
-        parts = [value for name, value in vars(thing).items() if not name.startswith("_")]
+        parts = _public_values(thing)
     else:
         parts = []
     return [array for part in parts for array in numbers_in(part, deep - 1)]
+
+
+def _public_values(thing: Any) -> list[Any]:
+    """Return what an object shows: its attributes, or, where it keeps them back, its properties."""
+    if hasattr(thing, "__dict__"):
+        return [value for name, value in vars(thing).items() if not name.startswith("_")]
+    kind = type(thing)
+    return [getattr(thing, name) for name in dir(kind) if isinstance(getattr(kind, name), property)]
 
 
 def outcome(call: Call, arguments: Mapping[str, Any]) -> Outcome:
@@ -186,7 +194,7 @@ def outcome(call: Call, arguments: Mapping[str, Any]) -> Outcome:
         except RaisedOnPurpose as error:
             result = Outcome(None, error, _fault_of_message(error))
         except Exception as error:
-            result = Outcome(None, error, f"foreign {type(error).__name__}: {str(error)[:200]}")
+            result = Outcome(None, error, _fault_of_foreign(error))
     foreign = [one for one in told if not issubclass(one.category, RaisedOnPurpose)]
     if foreign:
         result = result._replace(fault=f"foreign warning: {foreign[0].message}")
@@ -280,6 +288,8 @@ def _fault_of_mistake(call: Call, argument: str, mistake: str, wrong: Any) -> st
     taken = call.takes.get(argument, ())
     if mistake in taken or "*" in taken:
         return ""
+    if mistake == "empty" and not any(array.size for array in result.numbers):
+        return ""  # nothing of nothing
     if mistake not in ONLY_UNUSUAL:
         return f"accepted, {_shown(result.numbers)}"
     finite = all(np.isfinite(array).all() for array in result.numbers)
@@ -304,6 +314,10 @@ def _fault_of_form(call: Call, argument: str, changed: Any, plain: Any) -> str:
 
 def _answer(result: Outcome) -> str:
     return "accepted" if result.numbers is not None else f"refused ({str(result.error)[:120]})"
+
+
+def _fault_of_foreign(error: Exception) -> str:
+    return f"foreign {type(error).__name__}: {' '.join(str(error)[:200].split())}"
 
 
 def _fault_of_message(error: BaseException) -> str:

@@ -27,7 +27,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, finite_rows, one_row, together
+from psp3.checks import Array, finite_array, finite_rows, one_row, together
 from psp3.closure.passive_limits import PassiveLimits
 from psp3.closure.rank import dependent_solver, null_space
 from psp3.closure.structure import Structure
@@ -39,6 +39,7 @@ from psp3.dynamics.dynamics_model import DynamicsModel
 from psp3.dynamics.motors import Driven, Motors, forces_of_motors, least_norm
 from psp3.errors import (
     ClosureFailed,
+    InvalidArray,
     InvalidValue,
     JointLimitExceeded,
     NoFiniteAnswer,
@@ -489,11 +490,12 @@ class ClosedLoopRobot:
 
     # Closing the loops
 
-    def constraint_jacobian(self, q: Array) -> Array:
+    def constraint_jacobian(self, q: ArrayLike) -> Array:
         """Return Pinocchio's constraint Jacobian, (m, nv).
 
         Minus the derivative of the residual where the loops are closed.
         """
+        q = one_row("q", q, self.model.nq)
         if not len(self.constraint_models):
             return np.zeros((0, self.model.nv))
         pin.computeJointJacobians(self.model, self.data, q)
@@ -558,13 +560,14 @@ class ClosedLoopRobot:
 
         What a question does not need may be any of the others.
         """
-        if guess is None or type(guess) is LastPose:
+        plain = type(positions) is type(speeds) is type(third) is np.ndarray
+        if plain and (guess is None or type(guess) is LastPose):
             # One state, as control loops ask for it: nothing to check that the kernels do not.
             out = np.empty(width)
             try:
                 if self._core.ask_one(question, positions, speeds, third, out, guess):
                     return out
-            except TypeError:  # lists, many states, numbers of another kind
+            except TypeError:  # many states, numbers of another kind
                 pass
         p, n = self._position_count, self._speed_count
         arrays = together(
@@ -710,7 +713,7 @@ class ClosedLoopRobot:
 
     # Projected dynamics
 
-    def drift(self, q: Array, v: Array) -> Array:
+    def drift(self, q: ArrayLike, v: ArrayLike) -> Array:
         r"""Return the joint accelerations, :math:`\dot L \dot q^a`.
 
         They hold while the actuated joints move uniformly.
@@ -733,6 +736,7 @@ class ClosedLoopRobot:
             If the actuated joints do not determine the others here.
         """
         nq, nv = self.model.nq, self.model.nv
+        q, v = one_row("q", q, nq), one_row("v", v, nv)
         motion = self._ask(
             MOTION,
             nq + 2 * nv,
@@ -887,11 +891,15 @@ class ClosedLoopRobot:
         UnreachableForces
             If the motors cannot.
         """
-        k = np.shape(forces)[-1]
-        wanted = finite_rows("forces", forces, k)
+        p, n = self._position_count, self._speed_count
+        wanted = finite_array("forces", forces)
+        k = wanted.shape[-1] if wanted.ndim else 0
+        if not 0 < k <= n:
+            raise InvalidArray("forces", f"(..., k) of at most {n}", wanted)
+        where = finite_rows("positions", positions, p)
         if self.drives_coordinates:
             return wanted
-        actuation = self.actuation_matrix(positions)[..., :k, :]
+        actuation = self.actuation_matrix(where)[..., :k, :]
         return least_norm(actuation, wanted, self.coordinates[:k])
 
     @functools.cached_property
@@ -999,10 +1007,20 @@ class ClosedLoopRobot:
         # The forces along the coordinates act at their joints.
         acting = -self.joint_resistance(q, v)
         acting[self.coordinates_v] += force
-        return forces_of_motion(self.model, self._all_closures(), self._held, (q, v, a), acting)
+        found = forces_of_motion(self.model, self._all_closures(), self._held, (q, v, a), acting)
+        if not all(np.isfinite(one).all() for one in (*found.loops, *found.joints)):
+            raise NoFiniteAnswer(row)
+        return found
 
-    def joint_resistance(self, q: Array, v: Array) -> Array:
-        """Return the forces of springs, damping and dry friction of all joints, (nv,)."""
+    def joint_resistance(self, q: ArrayLike, v: ArrayLike) -> Array:
+        """Return the forces of springs, damping and dry friction of all joints, (nv,).
+
+        Parameters
+        ----------
+        q, v : (nq,), (nv,) array_like
+            Configuration and joint velocities.
+        """
+        q, v = one_row("q", q, self.model.nq), one_row("v", v, self.model.nv)
         forces = self.model.damping * v + self.model.upperDryFrictionLimit * np.sign(v)
         for name, (stiffness, rest) in self.springs.items():
             joint = self.model.joints[self.model.getJointId(name)]

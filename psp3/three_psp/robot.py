@@ -11,13 +11,14 @@ be had, see :meth:`PSP3.dynamics`.
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, applied_to_rows, as_floats, finite_rows, together
+from psp3.checks import Array, applied_to_rows, as_floats, finite_rows, one_row, together
 from psp3.dynamics.dynamics_model import DynamicsModel
 from psp3.errors import InvalidArray, InvalidValue, UnknownName, UnreachablePose, UnreachableTip
 from psp3.multibody.core import LastPose
@@ -271,8 +272,8 @@ class PSP3(ClosedLoopRobot):
         ----------
         heights : (..., 3) array_like
             Nut heights [m].
-        guess : ignored
-            The closed form needs none; here for the signature of :class:`psp3.ClosedLoopRobot`.
+        guess : (15,) array_like or LastPose, optional
+            As of a :class:`psp3.ClosedLoopRobot`; the closed form needs none.
 
         Returns
         -------
@@ -284,6 +285,8 @@ class PSP3(ClosedLoopRobot):
         InvalidArray, UnreachablePose
             See :meth:`forward_kinematics`.
         """
+        if guess is not None:
+            self._check_guess(guess)
         a = _three("heights", heights)
         out = np.empty((*a.shape[:-1], 15))
         if a.ndim == 1:
@@ -349,7 +352,7 @@ class PSP3(ClosedLoopRobot):
             row = self._kernels.inverse_kinematics_tip(points, self._p, out)
         else:
             row = self._of_many("inverse_kinematics_tip", (points,), self._p, out)
-        if row >= 0:
+        if row >= 0 or (row := _first_not_finite(out)) >= 0:
             point = points.reshape(-1, 3)[row]
             if not np.isfinite(point).all():
                 raise InvalidArray("tip", "(..., 3)", points)
@@ -461,8 +464,9 @@ class PSP3(ClosedLoopRobot):
             row = self._kernels.tip_rates(a, dx, ddx, self._p, speeds, accelerations)
         else:
             row = self._of_many("tip_rates", (a, dx, ddx), self._p, speeds, accelerations)
-        if row >= 0:
-            self._refuse(row, heights=a)
+        # A speed that is not finite makes an acceleration that is not.
+        if row >= 0 or (row := _first_not_finite(accelerations)) >= 0:
+            self._refuse(row, heights=a, velocity=dx, acceleration=ddx)
         return speeds, accelerations
 
     # Dynamics
@@ -481,8 +485,8 @@ class PSP3(ClosedLoopRobot):
         ----------
         heights, speeds : (..., 3) array_like
             Nut heights [m] and speeds [m/s].
-        guess : ignored
-            The closed form needs none; here for the signature of :class:`psp3.ClosedLoopRobot`.
+        guess : (15,) array_like or LastPose, optional
+            As of a :class:`psp3.ClosedLoopRobot`; the closed form needs none.
 
         Returns
         -------
@@ -499,6 +503,8 @@ class PSP3(ClosedLoopRobot):
         InvalidArray, UnreachablePose
             See :meth:`forward_kinematics`.
         """
+        if guess is not None:
+            self._check_guess(guess)
         a, v = _three("heights", heights), _three("speeds", speeds)
         if a.shape != v.shape:
             a, v = together(heights=a, speeds=v)
@@ -520,7 +526,7 @@ class PSP3(ClosedLoopRobot):
 
         See :meth:`equation_of_motion`.
         """
-        return self.equation_of_motion(heights, _REST)[0]
+        return self.equation_of_motion(heights, _REST, guess)[0]
 
     def coriolis_matrix(self, heights: ArrayLike, speeds: ArrayLike) -> Array:
         """Return the Coriolis matrix C (eq. 3.3), of shape (..., 3, 3) [kg/s].
@@ -549,8 +555,8 @@ class PSP3(ClosedLoopRobot):
         ----------
         heights, speeds, accelerations : (..., 3) array_like
             Nut heights [m], speeds [m/s] and accelerations [m/s²].
-        guess : ignored
-            The closed form needs none; here for the signature of :class:`psp3.ClosedLoopRobot`.
+        guess : (15,) array_like or LastPose, optional
+            As of a :class:`psp3.ClosedLoopRobot`; the closed form needs none.
 
         Returns
         -------
@@ -562,6 +568,8 @@ class PSP3(ClosedLoopRobot):
         InvalidArray, UnreachablePose
             See :meth:`forward_kinematics`.
         """
+        if guess is not None:
+            self._check_guess(guess)
         a, v, w = (
             _three("heights", heights),
             _three("speeds", speeds),
@@ -574,7 +582,7 @@ class PSP3(ClosedLoopRobot):
             row = self._kernels.inverse_dynamics(a, v, w, self._p, out)
         else:
             row = self._of_many("inverse_dynamics", (a, v, w), self._p, out)
-        if row >= 0:
+        if row >= 0 or (row := _first_not_finite(out)) >= 0:
             self._refuse(row, heights=a, speeds=v, accelerations=w)
         return out
 
@@ -593,8 +601,8 @@ class PSP3(ClosedLoopRobot):
         ----------
         heights, speeds, forces : (..., 3) array_like
             Nut heights [m], speeds [m/s] and forces along the screws [N].
-        guess : ignored
-            The closed form needs none; here for the signature of :class:`psp3.ClosedLoopRobot`.
+        guess : (15,) array_like or LastPose, optional
+            As of a :class:`psp3.ClosedLoopRobot`; the closed form needs none.
 
         Returns
         -------
@@ -606,6 +614,8 @@ class PSP3(ClosedLoopRobot):
         InvalidArray, UnreachablePose
             See :meth:`forward_kinematics`.
         """
+        if guess is not None:
+            self._check_guess(guess)
         a, v, f = _three("heights", heights), _three("speeds", speeds), _three("forces", forces)
         if not a.shape == v.shape == f.shape:
             a, v, f = together(heights=a, speeds=v, forces=f)
@@ -625,7 +635,7 @@ class PSP3(ClosedLoopRobot):
             row = self._kernels.energies(a, v, self._p, out)
         else:
             row = self._of_many("energies", (a, v), self._p, out)
-        if row >= 0:
+        if row >= 0 or (row := _first_not_finite(out)) >= 0:
             self._refuse(row, heights=a, speeds=v)
         return out
 
@@ -639,6 +649,11 @@ class PSP3(ClosedLoopRobot):
         It is zero with all masses at the base's height.
         """
         return self._energies(heights, _REST)[..., 1]
+
+    def _check_guess(self, guess: ArrayLike | LastPose) -> None:
+        """Refuse what no robot takes for a guess, though the closed form needs none."""
+        if not isinstance(guess, LastPose):
+            one_row("guess", guess, self.model.nq)
 
     def _refuse(self, row: int, **arguments: Array) -> NoReturn:
         """Raise the error that belongs to the first row a kernel refused."""
@@ -661,12 +676,22 @@ _REST = np.zeros(3)
 _FLOAT = np.dtype(np.float64)
 
 
+def _first_not_finite(out: Array) -> int:
+    """Return the first row of (..., k) that is not all finite, or -1."""
+    # One state, as in a control loop, by the fastest way; a sum that overflows tells nothing.
+    if out.ndim == 1 and math.isfinite(sum(out.tolist())):
+        return -1
+    bad = ~np.isfinite(out.reshape(-1, out.shape[-1])).all(axis=-1)
+    return int(bad.argmax()) if bad.any() else -1
+
+
 def _three(name: str, values: ArrayLike) -> Array:
     """Return ``values`` as a contiguous float array of shape (..., 3).
 
     Whether they are finite is seen by the kernels.
     """
-    ready = type(values) is np.ndarray and values.dtype is _FLOAT
+    # Of what is read-only numba would compile every kernel anew.
+    ready = type(values) is np.ndarray and values.dtype is _FLOAT and values.flags.writeable
     array: Array = np.ascontiguousarray(values) if ready else as_floats(name, values, "(..., 3)")
     if array.shape != (3,) and (array.shape[-1] != 3 or np.ndim(values) == 0):
         raise InvalidArray(name, "(..., 3)", values)
