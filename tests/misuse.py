@@ -116,11 +116,12 @@ def other_forms(good: Any) -> Iterator[tuple[str, Any, Any]]:
     """Yield a good number or array in another form, with the plain one of the same numbers."""
     if isinstance(good, float | int) and not isinstance(good, bool):
         rounded = float(np.float32(good))
-        yield "numpy's float", np.float64(good), good
-        yield "float32", np.float32(good), rounded
         if isinstance(good, int):
             yield "numpy's int", np.int32(good), good
-        elif math.isfinite(good):
+        else:
+            yield "numpy's float", np.float64(good), good
+            yield "float32", np.float32(good), rounded
+        if isinstance(good, float) and math.isfinite(good):
             yield "int", round(good), float(round(good))
     if not is_numbers(good):
         return

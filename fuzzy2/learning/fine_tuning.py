@@ -19,7 +19,16 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue
 from fuzzy2.learning.tunable_system import TunableSystem
-from fuzzy2.support.checks import Array, generator, positive, real, reals, whole_number
+from fuzzy2.support.checks import (
+    Array,
+    check_scale,
+    generator,
+    of_kind,
+    positive,
+    real,
+    reals,
+    whole_number,
+)
 from fuzzy2.systems.system import FuzzySystem
 
 _FIRST_DECAY, _SECOND_DECAY, _TINY = 0.9, 0.999, 1e-8  # of Adam, as published
@@ -167,6 +176,7 @@ def fine_tune(
 
 
 def _samples(system: FuzzySystem, X: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
+    of_kind("system", system, FuzzySystem, "a fuzzy system")
     inputs, outputs = reals("X", X), reals("y", y)
     if outputs.ndim == 1:
         outputs = outputs[:, np.newaxis]
@@ -174,6 +184,8 @@ def _samples(system: FuzzySystem, X: ArrayLike, y: ArrayLike) -> tuple[Array, Ar
         raise InvalidValue("X", inputs, f"finite and of shape (N, {len(system.inputs)})")
     if outputs.shape != (len(inputs), system.n_outputs) or not np.isfinite(outputs).all():
         raise InvalidValue("y", outputs, f"finite and of shape ({len(inputs)}, {system.n_outputs})")
+    for name, table in (("X", inputs), ("y", outputs)):
+        check_scale(name, table)
     return inputs, outputs
 
 

@@ -180,7 +180,8 @@ def term_names(n_terms: int) -> tuple[str, ...]:
     Low, Mid and High for up to three, else with numbers.
     """
     known: dict[int, tuple[str, ...]] = {1: ("Any",), 2: ("Low", "High"), 3: ("Low", "Mid", "High")}
-    return known.get(n_terms) or tuple(f"Level{k + 1}" for k in range(n_terms))
+    count = whole_number("n_terms", n_terms, 1)
+    return known.get(count) or tuple(f"Level{k + 1}" for k in range(count))
 
 
 def principal_terms(least: float, greatest: float, n_terms: int) -> tuple[Gaussian, ...]:

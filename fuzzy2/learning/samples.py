@@ -41,7 +41,7 @@ def samples_of(estimator: str, X: Any, y: Any, sample_weight: Any = None) -> Sam
     outputs, one_column = table_of_outputs(y, len(inputs), estimator)
     weights = weights_of(sample_weight, len(inputs))
     for name, table in (("X", inputs), ("y", outputs)):
-        _check_scale(name, table)
+        check_scale(name, table)
     kept = np.flatnonzero(weights > 0.0)
     if len(kept) < 2:
         raise InvalidValue(
@@ -68,7 +68,7 @@ def samples_of(estimator: str, X: Any, y: Any, sample_weight: Any = None) -> Sam
     )
 
 
-def _check_scale(name: str, table: Array) -> None:
+def check_scale(name: str, table: Array) -> None:
     """Refuse columns whose squared values or ranges are no floating-point numbers."""
     size, width = np.abs(table).max(axis=0, initial=0.0), np.ptp(table, axis=0)
     if (size > 1.0 / LEAST_RANGE).any() or ((width > 0.0) & (width < LEAST_RANGE)).any():

@@ -393,7 +393,8 @@ class GaussianNumber(AffineNumber):
 
         NaN gives NaN.
         """
-        distance = np.asarray(x, dtype=float) - self.mean
+        points, mean = broadcast("x and the numbers", reals("x", x), self.mean)
+        distance = points - mean
         crisp = self.sigma == 0.0
         with np.errstate(over="ignore", under="ignore"):  # far tails are 0
             gaussian = np.exp(-0.5 * (distance / np.where(crisp, 1.0, self.sigma)) ** 2)

@@ -194,7 +194,7 @@ class FuzzyNumber(Number):
     def at_levels(self, levels: ArrayLike) -> FuzzyNumber:
         """Return the same numbers with their cuts at other levels, interpolated linearly."""
         heights = reals("levels", levels)
-        if not ((heights >= 0.0) & (heights <= 1.0)).all():
+        if heights.ndim != 1 or not ((heights >= 0.0) & (heights <= 1.0)).all():
             raise InvalidValue("levels", levels, "ascending from 0 to 1")
         if np.array_equal(heights, self.levels):
             return self

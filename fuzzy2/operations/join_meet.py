@@ -101,6 +101,7 @@ def join(
     """
     require_sets(sets)
     conorm = as_t_conorm(t_conorm)
+    as_t_norm(t_norm)
     grade_norm = as_t_norm(t_norm if grade_t_norm is None else grade_t_norm)
     if conorm is T_CONORMS["max"]:
         return _extremum("join", sets, grade_norm, method)

@@ -10,7 +10,7 @@ from fuzzy2.errors import InvalidValue
 from fuzzy2.sets.derived import Truncated
 from fuzzy2.sets.general_type2 import GeneralType2Set
 from fuzzy2.sets.type1 import Singleton, Type1Set, set_fields
-from fuzzy2.support.checks import Array, ascending, listed, maybe_infinite, real
+from fuzzy2.support.checks import Array, ascending, function, listed, maybe_infinite, real
 from fuzzy2.support.quadrature import merged
 
 
@@ -40,6 +40,7 @@ class FunctionalType2Set(GeneralType2Set):
     knots: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
+        function("function", self.function)
         left, right = maybe_infinite("left", self.left), maybe_infinite("right", self.right)
         ascending("left, right", (left, right))
         set_fields(

@@ -9,6 +9,7 @@ import decimal
 import itertools
 import math
 import numbers
+import os
 from collections.abc import Collection, Iterable
 from typing import Any
 
@@ -109,7 +110,10 @@ def reals(name: str, values: ArrayLike, requirement: str = "real numbers") -> Ar
             array.dtype.kind == "O"
             and all(isinstance(value, numbers.Real | decimal.Decimal) for value in array.flat)
         ):
-            return np.asarray(array, dtype=np.float64)
+            # In one order, so that neither sums nor what numba compiles hang on it; and of what is
+            # read-only numba would compile every kernel anew.
+            floats = np.asarray(array, dtype=np.float64, order="C")
+            return floats if floats.flags.writeable else floats.copy()
     except (TypeError, ValueError, OverflowError) as error:
         raise InvalidValue(name, values, requirement) from error
     raise InvalidValue(name, values, requirement)
@@ -134,6 +138,13 @@ def known_name(what: str, name: object, known: Collection[str]) -> str:
     return name
 
 
+def named_path(path: object) -> str | os.PathLike[str]:
+    """Return the path of a file; raise :class:`InvalidValue` if it is none."""
+    if isinstance(path, str | os.PathLike) and str(path):
+        return path
+    raise InvalidValue("path", path, "the path of a file")
+
+
 def listed(name: str, values: Iterable[Any], requirement: str) -> tuple[Any, ...]:
     """Return what a list holds; raise :class:`InvalidValue` if it is none, such as a text."""
     if not isinstance(values, str | bytes | np.ma.MaskedArray):
@@ -142,6 +153,12 @@ def listed(name: str, values: Iterable[Any], requirement: str) -> tuple[Any, ...
         except TypeError:
             pass
     raise InvalidValue(name, values, requirement)
+
+
+def function(name: str, value: object) -> None:
+    """Raise :class:`InvalidValue` if something cannot be called."""
+    if not callable(value):
+        raise InvalidValue(name, value, "a function")
 
 
 def of_kind(name: str, value: Any, kinds: type | tuple[type, ...], requirement: str) -> None:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 import fuzzy2
+from fuzzy2.errors import MalformedFile
 from fuzzy2 import learning, plots
 from tests.misuse import Call, methods_of, parameters_of
 
@@ -126,7 +127,7 @@ OF_SETS: dict[str, Any] = {
     "x": [-0.5, 0.25, 1.5],
 }
 OF_SETS_TAKE: dict[str, Any] = {
-    "alpha_cut.alpha": SHAPES,
+    "alpha_cut.alpha": (*SHAPES, "tiny"),
     "alphas": SHAPES,
     "derivative.x": (*POINTS, *NOT_A_NUMBER),
     "footprint.x": (*POINTS, *NOT_A_NUMBER),
@@ -191,9 +192,13 @@ def of_sets() -> Iterator[tuple[str, Call]]:
     for name, one in SETS.items():
         yield from methods(name, one, OF_SETS, OF_SETS_TAKE)
         names = parameters_of(type(one))
-        takes: dict[str, Any] = {}
+        takes: dict[str, Any] = {
+            "domain": ("infinite entry",),
+            "sigma": ("infinite entry",),
+            "slope": ("None",),
+        }
         if name in ("FunctionalSet", "FunctionalType2Set"):
-            takes = dict.fromkeys(("left", "right", "knots"), ("infinite",))
+            takes |= dict.fromkeys(("left", "right", "knots"), ("infinite",))
         yield name, Call(type(one), {field: getattr(one, field) for field in names if hasattr(one, field)}, takes)
 
 
@@ -288,8 +293,8 @@ def of_learning() -> Iterator[tuple[str, Call]]:
         def fitted(learner: Any = kinds[name], outputs: Any = y, **given: Any) -> Any:
             return learner(**given).fit(X, outputs).predict(INPUTS)
 
-        yield name, Call(fitted, made)
-        for called, call in methods(name, one, {**OF_LEARNERS, **({"y": np.array([True, False, True]), "fit.y": y} if name == "FuzzyClassifier" else {})}, {"X": ("column", *VANISHED), "x": VANISHED, "fit.y": ("column",), "score.y": ("column",), "sample_weight": ("huge", "tiny", "true")}):
+        yield name, Call(fitted, made, {"rng": ("None",), "ridge": ("None", "column"), "output_terms": ("None",)})
+        for called, call in methods(name, one, {**OF_LEARNERS, **({"y": np.array([True, False, True]), "fit.y": y} if name == "FuzzyClassifier" else {})}, {"X": ("column", *VANISHED), "x": VANISHED, "fit.y": ("column",), "score.y": ("column",), "deep": ANYTHING, "sample_weight": ("huge", "tiny", "true")}):
             if called.endswith(".fit"):
                 def fit(kind: Any = kinds[name], made: Any = made, **given: Any) -> Any:
                     return kind(**made).fit(**given).predict(INPUTS)
@@ -302,8 +307,8 @@ def of_learning() -> Iterator[tuple[str, Call]]:
     def update(**given: Any) -> Any:
         return fuzzy2.AdaptiveConsequents(system).update(**given)
 
-    yield "AdaptiveConsequents.update", Call(update, {"X": INPUTS, "y": np.array([[0.1], [0.5], [0.2]])})
-    yield "fine_tune", Call(fuzzy2.fine_tune, {"system": system, "X": X, "y": y, "rng": np.random.default_rng(1), "learning_rate": 0.01, "most_epochs": 2, "patience": 1, "validation_share": 0.2}, reads=lambda found: None)
+    yield "AdaptiveConsequents.update", Call(update, {"X": INPUTS, "y": np.array([[0.1], [0.5], [0.2]])}, {"X": VANISHED})
+    yield "fine_tune", Call(fuzzy2.fine_tune, {"system": system, "X": X, "y": y, "rng": np.random.default_rng(1), "learning_rate": 0.01, "most_epochs": 2, "patience": 1, "validation_share": 0.2}, {"y": ("column",)}, reads=lambda found: None)
     yield "add_noise", Call(lambda signal, snr_db, rng=None: fuzzy2.add_noise(signal, snr_db, rng if rng is not None else np.random.default_rng(1)), {"signal": [0.1, 0.5, -0.3], "snr_db": 10.0}, {"signal": SHAPES, "snr_db": ("infinite",)})
     yield "mean_variation_from_snr", Call(fuzzy2.mean_variation_from_snr, {"snr_db": [10.0, 20.0]}, {"snr_db": POINTS})
     yield "snr_from_mean_variation", Call(fuzzy2.snr_from_mean_variation, {"mean_variation": [0.1, 0.2]}, {"mean_variation": SHAPES})
@@ -323,22 +328,22 @@ def of_numbers() -> Iterator[tuple[str, Call]]:
     """Yield fuzzy numbers, and reductions with them."""
     interval, bell = fuzzy2.IntervalNumber([1.0, 2.0], [0.1, 0.2]), fuzzy2.GaussianNumber([1.0, 2.0], [0.1, 0.2])
     number = fuzzy2.FuzzyNumber([0.0, 1.0, 1.5], [4.0, 2.0, 1.6], [0.0, 0.5, 1.0])
-    yield "IntervalNumber", Call(fuzzy2.IntervalNumber, {"center": [1.0, 2.0], "spread": [0.1, 0.2]}, {"center": SHAPES, "spread": SHAPES})
-    yield "IntervalNumber.from_ends", Call(fuzzy2.IntervalNumber.from_ends, {"ends": [[1.0, 2.0], [3.0, 4.0]]})
-    yield "GaussianNumber", Call(fuzzy2.GaussianNumber, {"mean": [1.0, 2.0], "sigma": [0.1, 0.2], "t_norm": "product"}, {"mean": SHAPES, "sigma": SHAPES})
-    yield "FuzzyNumber", Call(fuzzy2.FuzzyNumber, {"left": [0.0, 1.0, 1.5], "right": [4.0, 2.0, 1.6], "levels": [0.0, 0.5, 1.0]})
+    yield "IntervalNumber", Call(fuzzy2.IntervalNumber, {"center": [1.0, 2.0], "spread": [0.1, 0.2]}, {"center": (*SHAPES, *NOT_A_NUMBER), "spread": (*SHAPES, *NOT_A_NUMBER)})
+    yield "IntervalNumber.from_ends", Call(fuzzy2.IntervalNumber.from_ends, {"ends": [[1.0, 2.0], [3.0, 4.0]]}, {"ends": NOT_A_NUMBER})
+    yield "GaussianNumber", Call(fuzzy2.GaussianNumber, {"mean": [1.0, 2.0], "sigma": [0.1, 0.2], "t_norm": "product"}, {"mean": (*SHAPES, *NOT_A_NUMBER), "sigma": (*SHAPES, *NOT_A_NUMBER)})
+    yield "FuzzyNumber", Call(fuzzy2.FuzzyNumber, {"left": [0.0, 1.0, 1.5], "right": [4.0, 2.0, 1.6], "levels": [0.0, 0.5, 1.0]}, {"left": ("column",), "right": ("column",), "levels": ("None",)})
     yield "FuzzyNumber.at_levels", Call(number.at_levels, {"levels": [0.0, 0.6, 1.0]}, {})
-    yield "FuzzyNumber.of", Call(fuzzy2.FuzzyNumber.of, {"value": 1.0, "levels": [0.0, 0.5, 1.0]}, {"value": SHAPES})
+    yield "FuzzyNumber.of", Call(fuzzy2.FuzzyNumber.of, {"value": 1.0, "levels": [0.0, 0.5, 1.0]}, {"value": SHAPES, "levels": ("None",)})
     for one in (interval, bell, number):
         name = type(one).__name__
         yield f"{name}.interval", Call(one.interval, {"alpha": 0.6})
-        yield f"{name}.membership", Call(one.membership, {"x": [0.5, 1.5]}, {"x": POINTS})
+        yield f"{name}.membership", Call(one.membership, {"x": [0.5, 1.5]}, {"x": (*POINTS, *NOT_A_NUMBER)})
         if hasattr(one, "sum"):
             yield f"{name}.sum", Call(one.sum, {"axis": 0})
-    yield "gaussian_meet", Call(fuzzy2.gaussian_meet, {"means": [0.5, 0.6], "sigmas": [0.1, 0.05]}, {})
-    yield "gaussian_meet_error", Call(fuzzy2.gaussian_meet_error, {"means": [0.5, 0.6], "sigmas": [0.1, 0.05], "points": 51})
+    yield "gaussian_meet", Call(fuzzy2.gaussian_meet, {"means": [0.5, 0.6], "sigmas": [0.1, 0.05]}, {"means": (*SHAPES, *NOT_A_NUMBER), "sigmas": (*SHAPES, *NOT_A_NUMBER)})
+    yield "gaussian_meet_error", Call(fuzzy2.gaussian_meet_error, {"means": [0.5, 0.6], "sigmas": [0.1, 0.05], "points": 51}, {"means": SHAPES, "sigmas": SHAPES})
     yield "approximate_centroid", Call(fuzzy2.approximate_centroid, {"x": [1.0, 2.0], "memberships": fuzzy2.IntervalNumber([0.5, 0.6], [0.01, 0.02])})
-    yield "approximate_generalized_centroid", Call(fuzzy2.approximate_generalized_centroid, {"Z": [1.0, 2.0], "W": fuzzy2.GaussianNumber([0.5, 0.6], [0.01, 0.02]), "t_norm": "product"})
+    yield "approximate_generalized_centroid", Call(fuzzy2.approximate_generalized_centroid, {"Z": [1.0, 2.0], "W": fuzzy2.GaussianNumber([0.5, 0.6], [0.01, 0.02]), "t_norm": "product"}, {"t_norm": ("None",)})
 
 
 def of_reduction() -> Iterator[tuple[str, Call]]:
@@ -346,16 +351,16 @@ def of_reduction() -> Iterator[tuple[str, Call]]:
     z, w = np.array([1.0, 2.0, 3.0]), np.array([[0.1, 0.5], [0.2, 0.6], [0.1, 0.9]])
     both = {"z": z, "w": w}
     yield "generalized_centroid", Call(fuzzy2.generalized_centroid, {**both, "method": "eiasc"})
-    yield "centroid", Call(fuzzy2.centroid, {"x": z, "lower": w[:, 0], "upper": w[:, 1], "method": "eiasc"})
+    yield "centroid", Call(fuzzy2.centroid, {"x": z, "lower": w[:, 0], "upper": w[:, 1], "method": "eiasc"}, {"lower": ("column",), "upper": ("column",)})
     yield "nie_tan", Call(fuzzy2.nie_tan, both)
     yield "wu_mendel_bounds", Call(fuzzy2.wu_mendel_bounds, both)
     yield "begian_melek_mendel", Call(fuzzy2.begian_melek_mendel, {**both, "m": 0.5, "n": 0.5})
     yield "alpha_plane_reduction", Call(fuzzy2.alpha_plane_reduction, {"alphas": [0.5, 1.0], "z": z, "w": np.stack([w, w]), "method": "eiasc"})
     general = SETS["GaussianType2Set"]
-    yield "alpha_plane_centroid", Call(fuzzy2.alpha_plane_centroid, {"fuzzy_set": general, "x": [-1.0, 0.0, 1.0], "alphas": [0.5, 1.0], "method": "eiasc"}, {"x": SHAPES, "alphas": SHAPES})
+    yield "alpha_plane_centroid", Call(fuzzy2.alpha_plane_centroid, {"fuzzy_set": general, "x": [-1.0, 0.0, 1.0], "alphas": [0.5, 1.0], "method": "eiasc"}, {"x": (*SHAPES, *VANISHED), "alphas": SHAPES})
     small = fuzzy2.SampledType2Set([0.0, 1.0], [BELOW, ABOVE])
     yield "exhaustive_centroid", Call(fuzzy2.exhaustive_centroid, {"fuzzy_set": small, "t_norm": "min", "limit": 1000})
-    yield "exhaustive_generalized_centroid", Call(fuzzy2.exhaustive_generalized_centroid, {"Z": [1.0, 2.0], "W": [BELOW, ABOVE], "t_norm": "min", "samples": None, "limit": 1000})
+    yield "exhaustive_generalized_centroid", Call(fuzzy2.exhaustive_generalized_centroid, {"Z": [1.0, 2.0], "W": [BELOW, ABOVE], "t_norm": "min", "samples": None, "limit": 1000}, {"samples": ("None",)})
     yield "defuzzify", Call(fuzzy2.defuzzify, {"fuzzy_set": LOW, "method": "centroid"})
 
 
@@ -373,18 +378,19 @@ def of_operations() -> Iterator[tuple[str, Call]]:
         return fuzzy_set(x)
 
     norm = {"t_norm": "min", "grade_t_norm": "min"}
-    yield "union", Call(of_two(fuzzy2.union), {**two, **norm, "t_conorm": "max"}, reads=seen)
-    yield "intersection", Call(of_two(fuzzy2.intersection), {**two, **norm}, reads=seen)
+    free = {"grade_t_norm": ("None",)}
+    yield "union", Call(of_two(fuzzy2.union), {**two, **norm, "t_conorm": "max"}, free, reads=seen)
+    yield "intersection", Call(of_two(fuzzy2.intersection), {**two, **norm}, free, reads=seen)
     yield "complement", Call(fuzzy2.complement, {"fuzzy_set": LOW}, reads=seen)
-    yield "join", Call(of_two(fuzzy2.join), {**secondary, **norm, "t_conorm": "max", "method": "auto"})
-    yield "meet", Call(of_two(fuzzy2.meet), {**secondary, **norm, "method": "auto"})
+    yield "join", Call(of_two(fuzzy2.join), {**secondary, **norm, "t_conorm": "max", "method": "auto"}, free)
+    yield "meet", Call(of_two(fuzzy2.meet), {**secondary, **norm, "method": "auto"}, free)
     yield "negation", Call(fuzzy2.negation, {"fuzzy_set": SAMPLED})
     yield "extend", Call(lambda f, first, second, t_norm: fuzzy2.extend(f, first, second, t_norm=t_norm), {"f": np.add, "first": BELOW, "second": ABOVE, "t_norm": "min"})
     yield "t_norm", Call(lambda name: fuzzy2.t_norm(name)(0.3, 0.6), {"name": "min"})
     yield "t_conorm", Call(lambda name: fuzzy2.t_conorm(name)(0.3, 0.6), {"name": "max"})
     relation = np.array([[0.1, 0.9], [0.4, 0.6]])
-    yield "compose", Call(fuzzy2.compose, {"R": relation, "S": relation, "t_norm": "min", "grade_t_norm": None}, {}, reads=np.asarray)
-    yield "cartesian_product", Call(of_two(fuzzy2.cartesian_product), {"first": [0.1, 0.4], "second": [0.3, 0.9], "t_norm": "min", "grade_t_norm": None}, reads=np.asarray)
+    yield "compose", Call(fuzzy2.compose, {"R": relation, "S": relation, "t_norm": "min", "grade_t_norm": None}, {"S": SHAPES}, reads=np.asarray)
+    yield "cartesian_product", Call(of_two(fuzzy2.cartesian_product), {"first": [0.1, 0.4], "second": [0.3, 0.9], "t_norm": "min", "grade_t_norm": None}, {"first": SHAPES, "second": SHAPES}, reads=np.asarray)
     yield "cardinality", Call(fuzzy2.cardinality, {"fuzzy_set": UNCERTAIN})
     yield "fuzziness", Call(fuzzy2.fuzziness, {"fuzzy_set": UNCERTAIN})
     yield "jaccard", Call(fuzzy2.jaccard, {"first": UNCERTAIN, "second": UNCERTAIN})
@@ -395,9 +401,16 @@ def of_files(folder: Path) -> Iterator[tuple[str, Call]]:
     """Yield what reads and writes."""
     system = systems()["Type1System"]
     path = folder / "system.json"
+
+    def read(path: Any) -> Any:
+        """Read a system; that there is no such file is said by Python's own error."""
+        if isinstance(path, str) and not Path(path).exists():
+            raise MalformedFile(path, "everywhere", "there is no such file")
+        return fuzzy2.load(path)(INPUTS)
+
     fuzzy2.save(system, path)
-    yield "load", Call(lambda path: fuzzy2.load(path)(INPUTS), {"path": path})
-    yield "save", Call(fuzzy2.save, {"thing": system, "path": path})
+    yield "load", Call(read, {"path": path})
+    yield "save", Call(fuzzy2.save, {"thing": system, "path": path}, {"path": ANY_TEXT})
     yield "to_json", Call(fuzzy2.to_json, {"thing": system})
     yield "from_json", Call(lambda document: fuzzy2.from_json(document)(INPUTS), {"document": fuzzy2.to_json(system)})
     yield "export_c", Call(fuzzy2.export_c, {"system": system, "path": folder / "c", "precision": "double", "name": "system"}, reads=lambda found: None)
