@@ -9,8 +9,9 @@ import contextlib
 import decimal
 import math
 import numbers
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -206,10 +207,49 @@ def checked_count(name: str, value: object, least: int = 1) -> int:
     return int(value)
 
 
+def checked_kind(name: str, value: object, kind: type | tuple[type, ...], requirement: str) -> None:
+    """Raise :class:`InvalidValue` if something is not of a kind."""
+    if not isinstance(value, kind):
+        raise InvalidValue(name, value, requirement)
+
+
 def checked_robot(robot: Any) -> None:
     """Raise :class:`InvalidValue` if something is no robot."""
     if not hasattr(robot, "coordinates_v") or not hasattr(robot, "reference"):
         raise InvalidValue("robot", robot, 'a robot, as psp3.load("delta") returns it')
+
+
+def checked_path(name: str, path: object) -> Path:
+    """Return a path; raise :class:`InvalidValue` if it is neither text nor a path."""
+    checked_kind(name, path, (str, Path), "the path of a file, as text or pathlib.Path")
+    return Path(cast("str | Path", path))
+
+
+def checked_names(name: str, names: object) -> tuple[str, ...]:
+    """Return names as a tuple; raise :class:`InvalidValue` if they are no list of texts.
+
+    A single text is none: it would be taken letter by letter.
+    """
+    if not isinstance(names, list | tuple) or not all(isinstance(one, str) for one in names):
+        raise InvalidValue(name, names, f"a list of names; of a single one [{name}]")
+    return tuple(names)
+
+
+@contextlib.contextmanager
+def overflow_refused(what: str) -> Iterator[None]:
+    """Raise :class:`InvalidValue` where numbers overflow, or answers are no numbers."""
+    try:
+        with np.errstate(over="raise", invalid="raise", divide="raise"):
+            yield
+    except (FloatingPointError, OverflowError) as error:
+        wanted = "of such a size that results are numbers; check the units"
+        raise InvalidValue(what, str(error), wanted) from error
+
+
+def checked_random(rng: object) -> None:
+    """Raise :class:`InvalidValue` if something is no source of random numbers, nor None."""
+    wanted = "a generator, numpy.random.default_rng(seed), or None"
+    checked_kind("rng", rng, (np.random.Generator, type(None)), wanted)
 
 
 def one_or_each(name: str, values: ArrayLike, joints: int) -> Array:

@@ -43,8 +43,8 @@ class UnknownRobot(UnknownName):
         self.name, self.known = name, tuple(known)
         PSP3Error.__init__(
             self,
-            f"unknown robot {in_words(name)}; known are {', '.join(known)}; of your own robot give the "
-            "file: psp3.load('my_robot.urdf'), or an .xml (MJCF) or .sdf",
+            f"unknown robot {in_words(name)}; known are {', '.join(known)}; of your own robot give "
+            "the file: psp3.load('my_robot.urdf'), or an .xml (MJCF) or .sdf",
         )
 
 

@@ -5,6 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Literal, overload
 
+from psp3.checks import (
+    checked_kind,
+)
 from psp3.description.parts import MJCF_ROBOTS, ROBOT_FILES, ROBOTS
 from psp3.description.xml import read_xml
 from psp3.errors import InvalidRobotFile, InvalidValue, UnknownRobot
@@ -75,6 +78,9 @@ def load(
     InvalidValue
         If parameters are given for another robot than the 3-PSP, or options for the 3-PSP.
     """
+    wanted = "the name of a robot, or the path of its file"
+    checked_kind("name", name, (str, Path), wanted)
+    checked_kind("parameters", parameters, (str, Parameters), "a name, or Parameters")
     if name == "psp3":
         if options:
             raise InvalidValue(

@@ -115,28 +115,30 @@ def _wrong_entries(array: np.ndarray[Any, Any]) -> Iterator[tuple[str, Any]]:
 def other_forms(good: Any) -> Iterator[tuple[str, Any, Any]]:
     """Yield a good number or array in another form, with the plain one of the same numbers."""
     if isinstance(good, float | int) and not isinstance(good, bool):
-        rounded = float(np.float32(good))
         if isinstance(good, int):
             yield "numpy's int", np.int32(good), good
         else:
             yield "numpy's float", np.float64(good), good
-            yield "float32", np.float32(good), rounded
-        if isinstance(good, float) and math.isfinite(good):
-            yield "int", round(good), float(round(good))
+            yield "float32", np.float32(good), float(np.float32(good))
+            if math.isfinite(good):
+                yield "int", round(good), float(round(good))
     if not is_numbers(good):
         return
-    array = np.array(good, dtype=np.float64)
-    for kind in ROUNDS:
-        coarse = (np.rint(array) if kind is np.int64 else array).astype(kind)
-        yield kind.__name__, coarse, coarse.astype(np.float64)
-    spread = np.zeros((*array.shape[:-1], 2 * array.shape[-1]))
+    array = np.array(good)
+    if array.dtype.kind == "i":
+        yield "int32", array.astype(np.int32), array
+    else:
+        for kind in ROUNDS:
+            coarse = (np.rint(array) if kind is np.int64 else array).astype(kind)
+            yield kind.__name__, coarse, coarse.astype(np.float64)
+        yield "of objects", array.astype(object), array
+    spread = np.zeros((*array.shape[:-1], 2 * array.shape[-1]), dtype=array.dtype)
     spread[..., ::2] = array
     yield "strided", spread[..., ::2], array
     yield "backward", np.ascontiguousarray(array[..., ::-1])[..., ::-1], array
     yield "by columns", np.asfortranarray(array), array
-    yield "other byte order", array.astype(">f8"), array
+    yield "other byte order", array.astype(array.dtype.newbyteorder()), array
     yield "list", array.tolist(), array
-    yield "of objects", array.astype(object), array
     kept = array.copy()
     kept.flags.writeable = False
     yield "read-only", kept, array
@@ -335,7 +337,9 @@ def _shown(numbers: list[np.ndarray[Any, Any]]) -> str:
 
 def _kept(value: Any) -> Any:
     """Return a copy of what could be written to, and anything else as it is."""
-    return copy.deepcopy(value) if isinstance(value, np.ndarray | list | dict) else value
+    if isinstance(value, np.ndarray) or is_numbers(value):
+        return copy.deepcopy(value)
+    return list(value) if isinstance(value, list | dict) else value
 
 
 def _same(before: Any, after: Any) -> bool:
@@ -348,6 +352,6 @@ def _same(before: Any, after: Any) -> bool:
                 or np.asarray(before).tobytes() == np.asarray(after).tobytes()
             )
         )
-    if isinstance(before, list | dict):
-        return repr(before) == repr(after)
-    return True
+    if is_numbers(before):
+        return bool(before == after)
+    return not isinstance(before, list) or list(map(id, before)) == list(map(id, after))

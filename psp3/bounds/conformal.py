@@ -114,7 +114,7 @@ def conformal_bound(scores: ArrayLike, share: float) -> Array:
         If scores are not numbers.
     """
     rows = as_floats("scores", scores, "(n, ...)")
-    if np.ndim(scores) == 0 or np.isnan(rows).any():
+    if scores is None or np.ndim(scores) == 0 or np.isnan(rows).any():
         raise InvalidArray("scores", "(n, ...), without NaN", scores)
     check_count("scores", len(rows), share)
     bound: Array = np.sort(rows, axis=0)[rank_of_bound(len(rows), share) - 1]

@@ -68,6 +68,8 @@ class ErrorDynamics:
         """Check that errors settle."""
         kp, kv = checked_positive("kp", self.kp), checked_positive("kv", self.kv)
         h = checked_not_negative("period", self.period)
+        for name, value in (("kp", kp), ("kv", kv), ("period", h)):
+            object.__setattr__(self, name, value)
         # Jury's conditions for eigenvalues within the unit circle, in closed form.
         if h > 0.0 and not 0.5 * h * kp < kv < 2.0 / h:
             raise InvalidValue(

@@ -66,9 +66,9 @@ class ConformalIntervals:
         if scale not in SCALES:
             raise UnknownName("scale", scale, SCALES)
         self.share, self.scale = checked_share(share), scale
-        if np.ndim(intervals) != 3:
-            raise InvalidArray("intervals", "(N, n, 2)", intervals)
         middle, half = _middle_and_half(intervals)
+        if middle.ndim != 2:
+            raise InvalidArray("intervals", "(N, n, 2)", intervals)
         measured = _torques(torques, middle.shape)
         check_count("torques", len(measured), self.share)
         self.factor = conformal_bound(self._scores(measured, middle, half), self.share)
@@ -93,9 +93,10 @@ class ConformalIntervals:
             return off
         # An interval of no width holds its middle, and nothing else however it is stretched.
         bare = half == 0.0
-        scores: Array = np.where(
-            bare, np.where(off > 0.0, np.inf, 0.0), off / np.where(bare, 1.0, half)
-        )
+        with np.errstate(over="ignore"):  # intervals of next to no width, too
+            scores: Array = np.where(
+                bare, np.where(off > 0.0, np.inf, 0.0), off / np.where(bare, 1.0, half)
+            )
         return scores
 
     def around(self, intervals: ArrayLike) -> Array:
@@ -133,7 +134,7 @@ class ConformalIntervals:
 def _middle_and_half(intervals: ArrayLike) -> tuple[Array, Array]:
     ends = as_floats("intervals", intervals, "(..., n, 2)")
     if (
-        np.ndim(intervals) < 2
+        ends.ndim < 2
         or ends.shape[-1] != 2
         or not np.isfinite(ends).all()
         or (ends[..., 0] > ends[..., 1]).any()
@@ -145,6 +146,6 @@ def _middle_and_half(intervals: ArrayLike) -> tuple[Array, Array]:
 
 def _torques(torques: ArrayLike, shape: tuple[int, ...]) -> Array:
     measured = as_floats("torques", torques, str(shape))
-    if np.shape(torques) != shape or not np.isfinite(measured).all():
+    if measured.shape != shape or not np.isfinite(measured).all():
         raise InvalidArray("torques", str(shape), torques)
     return measured

@@ -167,7 +167,7 @@ class TrackingTube:
     def __init__(
         self, runs: Iterable[Result | None], kp: float, kv: float, share: float = 0.95
     ) -> None:
-        if not hasattr(runs, "__iter__"):
+        if not isinstance(runs, Iterable) or isinstance(runs, np.ndarray):
             wanted = "a list of runs, each as psp3.simulate returns it"
             raise InvalidValue("runs", type(runs).__name__, wanted)
         given, self.share = list(runs), checked_share(share)

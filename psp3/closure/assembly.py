@@ -8,12 +8,16 @@ from collections.abc import Iterator
 import numpy as np
 import pinocchio as pin
 
-from psp3.checks import Array
+from psp3.checks import (
+    Array,
+    checked_kind,
+    one_row,
+)
 from psp3.errors import ClosureFailed
 from psp3.multibody.closing import LARGEST_REPAIR
 from psp3.multibody.flatten import FlatTree
 from psp3.multibody.motion import EQUATIONS, answer
-from psp3.multibody.tree import ROWS, SIZE, VELOCITIES
+from psp3.multibody.tree import COORDINATES, ROWS, SIZE, VELOCITIES
 
 NONE = np.empty(0)
 
@@ -34,7 +38,8 @@ def residual(flat: FlatTree, q: Array) -> Array:
 
     In the order of the groups.
     """
-    return _equations(flat, q, 0)[0]
+    checked_kind("flat", flat, FlatTree, "a tree, as flattened returns it")
+    return _equations(flat, one_row("q", q, int(flat.integers[COORDINATES])), 0)[0]
 
 
 def jacobian(flat: FlatTree, q: Array) -> Array:
@@ -81,6 +86,8 @@ def assembled(model: pin.Model, flat: FlatTree, q0: Array) -> Array:
     ClosureFailed
         If no start leads to a closed configuration.
     """
+    checked_kind("model", model, pin.Model, "a pinocchio.Model")
+    q0 = one_row("q0", q0, model.nq)
     lower, upper = _tangent_limits(model, q0)
     nearest = by_short_steps(model, flat, q0)
     if nearest is not None:

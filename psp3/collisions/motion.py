@@ -14,7 +14,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from psp3.checks import Array, as_floats, checked_not_negative, finite_rows
+from psp3.checks import (
+    Array,
+    as_floats,
+    checked_kind,
+    checked_not_negative,
+    checked_robot,
+    finite_rows,
+)
 from psp3.collisions.model import CollisionModel, Nearest, collision_model
 from psp3.errors import CollisionFound, InvalidArray
 from psp3.robots.robot import Robot
@@ -109,6 +116,9 @@ def check(
     InvalidRobotFile, OverlappingShapes
         If the robot has no usable shapes, see :func:`psp3.collisions.model.collision_model`.
     """
+    checked_robot(robot)
+    wanted = "a CollisionModel, or None for that of the robot's file"
+    checked_kind("model", model, (CollisionModel, type(None)), wanted)
     path = finite_rows("positions", positions, len(robot.reference))
     if path.ndim != 2 or not len(path):
         raise InvalidArray("positions", f"(N, {len(robot.reference)}) with N of at least 1", path)

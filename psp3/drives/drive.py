@@ -44,7 +44,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, as_floats, checked_not_negative, checked_positive
+from psp3.checks import (
+    Array,
+    checked_count,
+    checked_not_negative,
+    checked_positive,
+    finite_array,
+)
 from psp3.errors import InvalidValue
 
 
@@ -118,9 +124,9 @@ class Drive:
         InvalidValue
             If the drive has no lead.
         InvalidArray
-            If the forces are not numbers.
+            If the forces are not finite numbers.
         """
-        return as_floats("force", force, "(...)").reshape(np.shape(force)) / self._motor_turn
+        return finite_array("force", force) / self._motor_turn
 
     def force(self, motor_torque: ArrayLike) -> Array:
         r"""Return the force of a motor torque, :math:`f = \tau_m\, 2\pi / l`.
@@ -141,12 +147,9 @@ class Drive:
         InvalidValue
             If the drive has no lead.
         InvalidArray
-            If the torques are not numbers.
+            If the torques are not finite numbers.
         """
-        return (
-            as_floats("motor_torque", motor_torque, "(...)").reshape(np.shape(motor_torque))
-            * self._motor_turn
-        )
+        return finite_array("motor_torque", motor_torque) * self._motor_turn
 
 
 NO_DRIVE = Drive()
@@ -173,6 +176,7 @@ def drive_table(drive: Drive | Sequence[Drive], joints: int) -> Array:
     InvalidValue
         If it is neither a drive nor one for each joint.
     """
+    joints = checked_count("joints", joints, 0)
     drives = (
         [drive] * joints
         if isinstance(drive, Drive)

@@ -14,6 +14,7 @@ from typing import NamedTuple, Protocol
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array
+from psp3.errors import InvalidValue
 
 
 class InverseDynamicsDerivatives(NamedTuple):
@@ -94,6 +95,7 @@ def inverse_dynamics_derivatives(
     InvalidArray, ClosureFailed, SingularConfiguration
         See :meth:`psp3.ClosedLoopRobot.configuration`.
     """
+    _check_dynamics(robot, "inverse_dynamics_derivatives")
     return robot.inverse_dynamics_derivatives(positions, speeds, accelerations)
 
 
@@ -127,4 +129,11 @@ def forward_dynamics_derivatives(
     InvalidArray, ClosureFailed, SingularConfiguration
         See :meth:`psp3.ClosedLoopRobot.configuration`.
     """
+    _check_dynamics(robot, "forward_dynamics_derivatives")
     return robot.forward_dynamics_derivatives(positions, speeds, forces)
+
+
+def _check_dynamics(robot: object, question: str) -> None:
+    """Raise :class:`InvalidValue` if something has no such derivatives."""
+    if not hasattr(robot, question):
+        raise InvalidValue("robot", robot, 'a robot, as psp3.load("delta") returns it')

@@ -13,7 +13,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, as_floats, checked_positive
+from psp3.checks import (
+    Array,
+    as_floats,
+    checked_kind,
+    checked_positive,
+    finite_array,
+)
 from psp3.dynamics.derivatives import ClosedDynamics, inverse_dynamics_derivatives
 from psp3.errors import InvalidArray, InvalidValue
 
@@ -70,10 +76,11 @@ def linearize(
     InvalidArray, ClosureFailed, SingularConfiguration
         See :meth:`psp3.ClosedLoopRobot.configuration`.
     """
-    rest = np.zeros(np.shape(positions)[-1:])
+    row = finite_array("positions", positions)
+    rest = np.zeros(row.shape[-1:])
     by_positions, by_speeds, mass = inverse_dynamics_derivatives(
         robot,
-        positions,
+        row,
         rest if speeds is None else speeds,
         rest if accelerations is None else accelerations,
     )
@@ -131,7 +138,10 @@ def discretize(system: LinearSystem, period: float) -> LinearSystem:
     m, n = B.shape[-2:]
     block = np.zeros((*A.shape[:-2], m + n, m + n))
     block[..., :m, :m], block[..., :m, m:] = period * A, period * B
-    whole = expm(block)
+    with np.errstate(over="ignore", invalid="ignore"):
+        whole = expm(block)
+    if not np.isfinite(whole).all():
+        raise InvalidValue("period", period, "short enough for the system not to leave all numbers")
     return LinearSystem(whole[..., :m, :m], whole[..., :m, m:], period)
 
 
@@ -140,6 +150,7 @@ def checked_matrices(system: LinearSystem) -> tuple[Array, Array]:
 
     Raise :class:`InvalidArray` if they do not make a linear system.
     """
+    checked_kind("system", system, LinearSystem, "a LinearSystem, as psp3.linearize returns it")
     A, B = as_floats("A", system.A, "(..., m, m)"), as_floats("B", system.B, "(..., m, n)")
     if A.ndim < 2 or A.shape[-2] != A.shape[-1] or not np.isfinite(A).all():
         raise InvalidArray("A", "(..., m, m)", system.A)

@@ -33,7 +33,7 @@ from psp3.closure.passive_limits import PassiveLimits
 from psp3.dynamics.mechanism import HasTree, Mechanism
 from psp3.dynamics.motors import forces_of_motors
 from psp3.dynamics.newton_from_home import Closed, NewtonFromHome
-from psp3.errors import InconsistentVelocity, OpenLoops
+from psp3.errors import InconsistentVelocity, InvalidValue, NoFiniteAnswer, OpenLoops
 
 CLOSURE_TOLERANCE = 1e-6
 """Dynamics is refused where a loop is open by more than this [m, rad]."""
@@ -344,6 +344,8 @@ class NaturalOrthogonalComplement:
     """
 
     def __init__(self, robot: HasTree) -> None:
+        if not isinstance(getattr(robot, "model", None), pin.Model):
+            raise InvalidValue("robot", robot, "a robot with a Pinocchio model")
         self.robot = robot
         self.model = robot.model
         self._mechanism = Mechanism(robot)
@@ -861,7 +863,11 @@ class NaturalOrthogonalComplement:
         n = self._actuated.size
 
         def one(positions: Array, speeds: Array, accelerations: Array) -> Array:
-            return self._closed(positions, speeds).forces(speeds, accelerations)
+            with np.errstate(over="ignore", invalid="ignore"):
+                found = self._closed(positions, speeds).forces(speeds, accelerations)
+            if not np.isfinite(found).all():
+                raise NoFiniteAnswer(positions)
+            return found
 
         return applied_to_rows(
             one,

@@ -31,7 +31,7 @@ from psp3.dynamics.more_equations import JointElements, MoreEquations
 from psp3.dynamics.motors import forces_of_motors
 from psp3.dynamics.newton_from_home import Closed, NewtonFromHome
 from psp3.dynamics.projected_derivatives import projected_derivatives
-from psp3.errors import InvalidValue
+from psp3.errors import InvalidValue, NoFiniteAnswer
 
 
 class ProjectedDynamics:
@@ -143,8 +143,16 @@ class ProjectedDynamics:
         # First of all, so that a home that is none is found without a pose, too.
         _ = self._from_home
         p, n = self._widths
+
+        def finite(position: Array, *others: Array) -> Array:
+            with np.errstate(over="ignore", invalid="ignore"):
+                found = function(position, *others)
+            if not np.isfinite(found).all():
+                raise NoFiniteAnswer(position)
+            return found
+
         return applied_to_rows(
-            function,
+            finite,
             shape,
             **{
                 name: (values, p if name == "positions" else n)
@@ -202,9 +210,13 @@ class ProjectedDynamics:
         Of a closed configuration and joint velocities, (nv,), as
         :meth:`psp3.ClosedLoopRobot.drift`.
         """
+        q, v = one_row("q", q, self.model.nq), one_row("v", v, self.model.nv)
         _, jacobian = self._constraint(q)
         _, inverse = self._mechanism.complement(q, jacobian)
-        return self._drift(q, v, inverse)
+        found = self._drift(q, v, inverse)
+        if not np.isfinite(found).all():
+            raise NoFiniteAnswer(q)
+        return found
 
     def _drift(self, q: Array, v: Array, inverse: Array) -> Array:
         accelerations = np.zeros(self.model.nv)
@@ -439,8 +451,14 @@ class ProjectedDynamics:
             If the tree's joints are not chain by chain, for which the answer would be wrong.
         """
         joint_forces = np.zeros(self.model.nv)
-        joint_forces[self._mechanism.actuated] = forces
-        return self._solver.accelerations(q, v, joint_forces)
+        q, v = one_row("q", q, self.model.nq), one_row("v", v, self.model.nv)
+        joint_forces[self._mechanism.actuated] = one_row(
+            "forces", forces, len(self._mechanism.actuated)
+        )
+        found = self._solver.accelerations(q, v, joint_forces)
+        if not np.isfinite(found).all():
+            raise NoFiniteAnswer(q)
+        return found
 
 
 class ConstraintSolver:

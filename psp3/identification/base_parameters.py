@@ -16,7 +16,13 @@ from itertools import islice
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, Indices, one_row
+from psp3.checks import (
+    Array,
+    Indices,
+    checked_kind,
+    checked_random,
+    one_row,
+)
 from psp3.closure.rank import RANK_TOLERANCE, numerical_rank
 from psp3.errors import (
     ClosureFailed,
@@ -141,6 +147,8 @@ def base_parameters(unknowns: Unknowns, rng: np.random.Generator | None = None) 
     UncertainRank
         If rounding hides how many combinations there are.
     """
+    checked_kind("unknowns", unknowns, Unknowns, "Unknowns, such as all_parameters(robot)")
+    checked_random(rng)
     source = np.random.default_rng(0) if rng is None else rng
     robot, count = unknowns.robot, len(unknowns.names)
     n = len(robot.actuated)

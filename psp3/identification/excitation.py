@@ -17,7 +17,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, checked_count, checked_positive, finite_rows, one_row
+from psp3.checks import (
+    Array,
+    checked_count,
+    checked_kind,
+    checked_positive,
+    checked_random,
+    finite_rows,
+    one_or_each,
+    overflow_refused,
+)
 from psp3.errors import InvalidValue, PoorExcitation
 from psp3.identification.base_parameters import UNREACHABLE, BaseParameters
 from psp3.trajectories.fourier_series import FourierSeries, fourier_terms
@@ -97,11 +106,7 @@ def _information(
 
 
 def _noise(force_noise: ArrayLike, n: int) -> Array:
-    noise = one_row(
-        "force_noise",
-        np.broadcast_to(force_noise, n) if np.ndim(force_noise) == 0 else force_noise,
-        n,
-    )
+    noise = one_or_each("force_noise", force_noise, n)
     if not (noise > 0.0).all():
         raise InvalidValue("force_noise", force_noise, "positive")
     return noise
@@ -162,15 +167,17 @@ def exciting_motion(
     """
     from scipy.optimize import minimize
 
-    search = _Search(
-        base, largest_speed, largest_acceleration, lower, upper, period, harmonics, force_noise
-    )
-    checked_count("draws", draws)
-    checked_count("steps", steps)
-    source = np.random.default_rng(0) if rng is None else rng
-    best = min((search.drawn(source) for _ in range(draws)), key=search.cost)
-    found = minimize(search.cost, best, method="L-BFGS-B", options={"maxiter": steps})
-    return search.makeable(min((best, found.x), key=search.cost))
+    checked_random(rng)
+    with overflow_refused("period, noise and bounds of the motion"):
+        search = _Search(
+            base, largest_speed, largest_acceleration, lower, upper, period, harmonics, force_noise
+        )
+        checked_count("draws", draws)
+        checked_count("steps", steps)
+        source = np.random.default_rng(0) if rng is None else rng
+        best = min((search.drawn(source) for _ in range(draws)), key=search.cost)
+        found = minimize(search.cost, best, method="L-BFGS-B", options={"maxiter": steps})
+        return search.makeable(min((best, found.x), key=search.cost))
 
 
 class _Search:
@@ -190,6 +197,7 @@ class _Search:
         harmonics: int,
         force_noise: ArrayLike,
     ) -> None:
+        checked_kind("base", base, BaseParameters, "what base_parameters(unknowns) returns")
         self._base, self._robot = base, base.unknowns.robot
         n = self._n = len(self._robot.actuated)
         limits = self._robot.limits
@@ -204,7 +212,7 @@ class _Search:
                 f"greater than lower, {self._lower.tolist()}, and both finite",
             )
         self._bounds = [
-            one_row(name, np.broadcast_to(value, n) if np.ndim(value) == 0 else value, n)
+            one_or_each(name, value, n)
             for name, value in (
                 ("largest_speed", largest_speed),
                 ("largest_acceleration", largest_acceleration),
@@ -220,6 +228,7 @@ class _Search:
             checked_count("harmonics", harmonics),
         )
         self._noise = _noise(force_noise, n)
+        period, harmonics = self._period, self._harmonics
         points = 32 * harmonics
         self._close = np.arange(8 * points) * period / (8 * points)
         self._grid = fourier_terms(self._close[::8], period, harmonics)

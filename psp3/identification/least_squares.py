@@ -16,7 +16,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from psp3.checks import Array, checked_not_negative, finite_rows
+from psp3.checks import (
+    Array,
+    checked_kind,
+    checked_not_negative,
+    checked_positive,
+    finite_rows,
+    overflow_refused,
+)
 from psp3.closure.rank import numerical_rank
 from psp3.errors import CorrelatedResiduals, InvalidArray, PoorExcitation
 from psp3.identification.base_parameters import BaseParameters
@@ -182,9 +189,23 @@ def identify(
         nothing is said: it makes intervals too wide, unless samples are hardly denser than the
         harmonics.
     """
+    checked_kind("base", base, BaseParameters, "what base_parameters(unknowns) returns")
+    period, held = checked_positive("period", period), checked_not_negative("held", held)
+    with overflow_refused("positions, forces and period"):
+        return _identified(base, t, positions, forces, period, harmonics, held)
+
+
+def _identified(
+    base: BaseParameters,
+    t: ArrayLike,
+    positions: ArrayLike,
+    forces: ArrayLike,
+    period: float,
+    harmonics: int,
+    held: float,
+) -> Identified:
     robot = base.unknowns.robot
     measured = finite_rows("forces", forces, len(robot.actuated))
-    checked_not_negative("held", held)
     fitted = fit_fourier_series(t, positions, period, harmonics, robot)
     if measured.shape != np.shape(positions):
         raise InvalidArray(

@@ -13,7 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, one_row
+from psp3.checks import (
+    Array,
+    checked_robot,
+    one_row,
+)
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 ROUNDING = 1e-12
@@ -76,6 +80,7 @@ def bodies(robot: ClosedLoopRobot, parameters: ArrayLike) -> tuple[Body, ...]:
     InvalidArray
         If the parameters are not finite or of another number.
     """
+    checked_robot(robot)
     rows = one_row("parameters", parameters, 10 * (robot.model.njoints - 1)).reshape(-1, 10)
     return tuple(
         _body(str(joint), row) for joint, row in zip(list(robot.model.names)[1:], rows, strict=True)

@@ -14,7 +14,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, finite_rows, together
+from psp3.checks import (
+    Array,
+    checked_robot,
+    finite_rows,
+    together,
+)
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 PARAMETERS_OF_A_BODY = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
@@ -51,6 +56,7 @@ def regressor(
     InvalidArray, ClosureFailed, JointLimitExceeded, SingularConfiguration
         See :meth:`psp3.ClosedLoopRobot.configuration`.
     """
+    checked_robot(robot)
     n = len(robot.actuated)
     a, v, w = together(
         positions=finite_rows("positions", positions, n),
@@ -76,6 +82,7 @@ def standard_parameters(robot: ClosedLoopRobot) -> Array:
 
     A body is what moves with a joint, so bodies come in the order of the model's joints.
     """
+    checked_robot(robot)
     inertias = list(robot.model.inertias)[1:]
     return np.concatenate([np.zeros(0), *(inertia.toDynamicParameters() for inertia in inertias)])
 
@@ -85,6 +92,7 @@ def parameter_names(robot: ClosedLoopRobot) -> tuple[str, ...]:
 
     ``m(a1)`` is the mass of the body that moves with joint ``a1``.
     """
+    checked_robot(robot)
     return tuple(
         f"{parameter}({joint})"
         for joint in list(robot.model.names)[1:]

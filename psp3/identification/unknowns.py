@@ -14,7 +14,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, one_row
+from psp3.checks import (
+    Array,
+    checked_kind,
+    checked_names,
+    checked_robot,
+    one_row,
+)
 from psp3.errors import InvalidValue, UnknownName
 from psp3.identification.regressor import (
     PARAMETERS_OF_A_BODY,
@@ -77,7 +83,7 @@ class Unknowns:
         UnknownName
             If there is no unknown of that name.
         """
-        for name in names:
+        for name in checked_names("names", names):
             if name not in self.names:
                 raise UnknownName("unknown", name, self.names)
         known = np.isin(self.names, list(names))
@@ -124,6 +130,9 @@ def equal_bodies(robot: ClosedLoopRobot, groups: Sequence[Sequence[str]]) -> Unk
     InvalidValue
         If a joint is named twice, or a group is empty.
     """
+    checked_robot(robot)
+    checked_kind("groups", groups, (list, tuple), 'a list of groups, [("a1", "a2", "a3")]')
+    groups = [checked_names("groups", group) for group in groups]
     joints = list(robot.model.names)[1:]
     named = [name for group in groups for name in group]
     for name in named:

@@ -8,7 +8,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, finite_rows, together
+from psp3.checks import (
+    Array,
+    checked_robot,
+    finite_rows,
+    together,
+)
 from psp3.multibody.named_frames import frame_number
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
@@ -97,6 +102,7 @@ def frame_motion(
     ClosureFailed, JointLimitExceeded, SingularConfiguration
         If a pose cannot be taken, or the actuated joints do not determine the others there.
     """
+    checked_robot(robot)
     index, n = frame_number(robot.model, frame), len(robot.coordinates_v)
     a, v, w = together(
         positions=finite_rows("positions", positions, len(robot.reference)),

@@ -47,7 +47,13 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, checked_positive, finite_rows, one_row
+from psp3.checks import (
+    Array,
+    checked_positive,
+    finite_rows,
+    one_row,
+    overflow_refused,
+)
 from psp3.closure.assembly import jacobian, residual
 from psp3.closure.rank import RANK_TOLERANCE, null_space
 from psp3.errors import OpenLoops
@@ -189,7 +195,8 @@ class SingularityAnalysis:
         self._joint_scale = np.where(rotating(robot.model), self.length, 1.0)
         self._row_scale = np.array([self.length if row >= 3 else 1.0 for row in self._rows])
         self._closure_scale = np.where(self._table.is_length, 1.0, self.length)
-        left, _, _ = np.linalg.svd(self._matrices(robot.q0[np.newaxis])[0][0])
+        with overflow_refused("length"):
+            left, _, _ = np.linalg.svd(self._matrices(robot.q0[np.newaxis])[0][0])
         self._independent: Array = left[:, : self._rank].T
 
     def positions(self, configurations: ArrayLike) -> Array:

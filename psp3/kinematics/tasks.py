@@ -9,6 +9,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from psp3.checks import (
+    checked_names,
+    checked_robot,
+)
 from psp3.errors import InvalidValue, UnknownName
 from psp3.multibody.equations import Coupling
 from psp3.multibody.named_frames import frame_number
@@ -72,6 +76,7 @@ def rotating(model: pin.Model) -> NDArray[np.bool_]:
 
 def checked_motors(robot: ClosedLoopRobot) -> ClosedLoopRobot:
     """Return a robot whose motors command all of its coordinates; raise if it is none."""
+    checked_robot(robot)
     if robot.commanded < len(robot.coordinates_v):
         followers = ", ".join(robot.coordinates[robot.commanded :])
         raise InvalidValue(
@@ -99,6 +104,7 @@ def equations_of(robot: ClosedLoopRobot) -> list[Any]:
 
 def checked_frame(robot: ClosedLoopRobot, frame: str) -> str:
     """Return the name of a frame; raise if the robot has none of that name."""
+    checked_robot(robot)
     frame_number(robot.model, frame)
     return frame
 
@@ -108,7 +114,7 @@ def checked_task(task: Sequence[str]) -> tuple[str, ...]:
 
     Raise if one is unknown or there twice, or if there are none.
     """
-    names = tuple(task)
+    names = checked_names("task", task)
     for name in names:
         if name not in TASK_COORDINATES:
             raise UnknownName("task coordinate", name, TASK_COORDINATES)

@@ -16,7 +16,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from psp3.checks import Array, as_floats, checked_not_negative, checked_number, checked_positive
+from psp3.checks import (
+    Array,
+    as_floats,
+    checked_kind,
+    checked_not_negative,
+    checked_number,
+    checked_positive,
+)
 from psp3.errors import (
     ClosureFailed,
     InvalidArray,
@@ -172,12 +179,13 @@ class Workspace:
         InvalidArray, InvalidValue
             If values are not finite and ascending, or a coordinate is both in the grid and held.
         """
+        self._check_mapping("grid", grid)
         axes = {name: self._ascending(name, values) for name, values in grid.items()}
         if not axes:
             raise InvalidValue(
                 "grid", dict(grid), f"values of one or more of {', '.join(self.coordinates)}"
             )
-        fixed = self._point(held or {}, "held")
+        fixed = self._point({} if held is None else held, "held")
         for name in axes:
             if held is not None and name in held:
                 raise InvalidValue("held", name, "a coordinate that is not in the grid")
@@ -235,6 +243,7 @@ class Workspace:
             If the map is of other dimensions or coordinates, or ``at_least`` is no status of
             reachable poses.
         """
+        checked_kind("poses", poses, KinematicMap, "a map, as workspace.map returns it")
         if len(poses.grid) != 2 or len({poses.units[name] for name in poses.grid}) != 1:
             raise InvalidValue(
                 "poses", tuple(poses.grid), "a map over two coordinates of the same unit"
@@ -245,7 +254,7 @@ class Workspace:
                 tuple(poses.grid),
                 f"a map over {', '.join(self.coordinates)} of this workspace",
             )
-        if at_least not in tuple(Status)[1:]:
+        if not isinstance(at_least, int | np.integer) or at_least not in tuple(Status)[1:]:
             raise InvalidValue("at_least", at_least, "a Status better than UNREACHABLE")
         base, places, least = (
             self._point(poses.held, "held"),
@@ -298,13 +307,14 @@ class Workspace:
             If the start cannot be reached.
         """
         end, way = checked_positive("farthest", farthest), np.zeros(len(self.coordinates))
+        self._check_mapping("direction", direction)
         for name, value in direction.items():
             way[self._place(name)] = checked_number(
                 f"direction[{name!r}]", value, "a finite number"
             )
         if not (np.isfinite(way).all() and way.any()):
             raise InvalidValue("direction", dict(direction), "finite and not zero")
-        origin = self._point(start or {}, "start")
+        origin = self._point({} if start is None else start, "start")
         nq = self.analysis.robot.model.nq
         good = self._driven.configuration(origin)
         if self._status(good) < Status.USABLE:
@@ -330,12 +340,17 @@ class Workspace:
 
         They are those of the reference configuration where no others are given.
         """
+        self._check_mapping(what, values)
         point = np.array(list(self.reference.values()))
         for name, value in values.items():
             point[self._place(name)] = checked_number(f"{what}[{name!r}]", value, "a finite number")
         if not np.isfinite(point).all():
             raise InvalidValue(what, dict(values), "finite numbers")
         return point
+
+    @staticmethod
+    def _check_mapping(name: str, values: object) -> None:
+        checked_kind(name, values, Mapping, 'by names of coordinates, such as {"x": 0.1}')
 
     def _ascending(self, name: str, values: ArrayLike) -> Array:
         self._place(name)

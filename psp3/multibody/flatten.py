@@ -9,8 +9,13 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from psp3.checks import Array, Indices
-from psp3.errors import UnsupportedJoint
+from psp3.checks import (
+    Array,
+    Indices,
+    checked_kind,
+    one_row,
+)
+from psp3.errors import InvalidValue, UnsupportedJoint
 from psp3.multibody.equations import Coupling, Hinge, Spin
 from psp3.multibody.tree import (
     ARMATURE,
@@ -103,6 +108,10 @@ class _Element:
         return range(self.index_v, self.index_v + self.freedoms)
 
 
+CLOSING = (pin.RigidConstraintModel, Hinge, Coupling, Spin)
+"""Kinds of closures."""
+
+
 class _Closure:
     """One closure: what it joins, its numbers, and the elements on either side."""
 
@@ -181,12 +190,35 @@ def flattened(
     UnsupportedJoint
         If a joint is not a chain of screws, a ball joint, a planar joint or a free flyer.
     """
+    checked_kind("model", model, pin.Model, "a pinocchio.Model")
+    vector = pin.StdVec_RigidConstraintModel
+    checked_kind("constraint_models", constraint_models, (list, tuple, vector), "a list of loops")
+    for loop in constraint_models:
+        checked_kind("constraint_models", loop, CLOSING, "RigidConstraintModels and the like")
+    checked_kind("springs", springs, (Mapping, type(None)), "stiffness and rest by joints")
+    for name, numbers in (springs or {}).items():
+        one_row(f"springs[{name!r}]", numbers, 2)
+    independent_v = _checked_places("independent_v", independent_v, model.nv)
+    locked_v = _checked_places("locked_v", locked_v, model.nv)
     elements, of_joint = _elements(model)
     closures = [_Closure(elements, of_joint, constraint) for constraint in constraint_models]
     independent = {int(v): number for number, v in enumerate(independent_v)}
     held = {int(v) for v in locked_v}
     groups = _groups(elements, closures, independent, held)
     return _packed(model, elements, closures, groups, independent, held, springs or {})
+
+
+def _checked_places(name: str, places: Any, count: int) -> list[int]:
+    """Return places among velocities; raise :class:`InvalidValue` if they are none."""
+    found = places.tolist() if type(places) is np.ndarray else places
+    wanted = f"whole numbers below {count}"
+    checked_kind(name, found, (list, tuple), wanted)
+    for place in found:
+        if isinstance(place, bool) or not isinstance(place, int | np.integer):
+            raise InvalidValue(name, place, wanted)
+        if not 0 <= place < count:
+            raise InvalidValue(name, place, wanted)
+    return [int(place) for place in found]
 
 
 def _elements(model: pin.Model) -> tuple[list[_Element], list[int]]:

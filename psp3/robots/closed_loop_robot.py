@@ -27,7 +27,16 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, finite_array, finite_rows, one_row, together
+from psp3.checks import (
+    Array,
+    checked_kind,
+    checked_names,
+    checked_path,
+    finite_array,
+    finite_rows,
+    one_row,
+    together,
+)
 from psp3.closure.passive_limits import PassiveLimits
 from psp3.closure.rank import dependent_solver, null_space
 from psp3.closure.structure import Structure
@@ -66,7 +75,7 @@ from psp3.multibody.motion import (
 )
 from psp3.multibody.named_frames import frame_number
 from psp3.robots.assembly import Assembly, assembled
-from psp3.robots.construction import named_closures
+from psp3.robots.construction import check_parts, named_closures
 from psp3.robots.implementations import DYNAMICS_MODELS as DYNAMICS_MODELS
 from psp3.robots.implementations import implementation
 from psp3.robots.learning_inputs import LearningInputs, positions_and_speeds
@@ -180,15 +189,16 @@ class ClosedLoopRobot:
         free: str = "lock",
         coordinates: Sequence[str] | None = None,
     ) -> None:
-        if free not in FREE:
+        if not isinstance(free, str) or free not in FREE:
             raise UnknownName("treatment of free motions", free, FREE)
         self.options: dict[str, Any] = {
-            "equations": tuple(equations),
+            "equations": tuple(equations) if isinstance(equations, Sequence) else equations,
             "springs": springs,
             "tendons": tendons,
             "free": free,
             "coordinates": coordinates,
         }
+        check_parts(model, constraint_models, actuated, visual_model, self.options, closures)
         self.actuated = tuple(actuated)
         twice = [name for name in self.actuated if self.actuated.count(name) > 1]
         if twice:
@@ -201,7 +211,14 @@ class ClosedLoopRobot:
         others = [*equations, *(one for one in more if isinstance(one, Hinge))]
         shapes = visual_model if visual_model is not None else pin.GeometryModel()
         tree = SimpleTree(model, shapes, loops, others, home)
-        self._take(assembled(tree, self.actuated, self.options))
+        try:
+            with np.errstate(over="ignore", invalid="ignore"):  # of a home that is none
+                made = assembled(tree, self.actuated, self.options)
+        except np.linalg.LinAlgError as error:
+            raise InvalidValue(
+                "q0", tree.home, "a configuration that can be computed with"
+            ) from error
+        self._take(made)
 
     def _take(self, made: Assembly) -> None:
         """Take a tree whose coordinates are chosen, and close its loops."""
@@ -324,6 +341,13 @@ class ClosedLoopRobot:
         InvalidValue
             If a robot has loops, but neither a loop file nor ``actuated``.
         """
+        checked_path("urdf", urdf)
+        for name, path in (("loops", loops), ("srdf", srdf)):
+            if path is not None:
+                checked_path(name, path)
+        if actuated is not None:
+            checked_names("actuated", actuated)
+        checked_kind("closures", closures, (list, tuple), "a list of two frames and a kind each")
         parts = read_robot(urdf, loops, srdf, actuated, closures)
         robot = cls(*parts, free=free, coordinates=coordinates, closures=closures)
         robot.urdf, robot.srdf = Path(urdf), None if srdf is None else Path(srdf)
@@ -362,6 +386,11 @@ class ClosedLoopRobot:
         """
         from psp3.description.mjcf import read_mjcf
 
+        checked_path("mjcf", mjcf)
+        if actuated is not None:
+            checked_names("actuated", actuated)
+        if joint_type is not None:
+            checked_kind("joint_type", joint_type, Mapping, "a mapping of joints to their types")
         parts = read_mjcf(mjcf, actuated, joint_type)
         robot = cls(*parts, free=free, coordinates=coordinates, closures=closures)
         robot.mjcf = Path(mjcf)
@@ -399,6 +428,12 @@ class ClosedLoopRobot:
         """
         from psp3.description.sdf import read_sdf
 
+        checked_path("sdf", sdf)
+        if actuated is not None:
+            checked_names("actuated", actuated)
+        checked_kind("model_paths", model_paths, (list, tuple), "a list of folders")
+        for folder in model_paths:
+            checked_path("model_paths", folder)
         return cls(
             *read_sdf(sdf, actuated, model_paths),
             free=free,
@@ -1008,7 +1043,8 @@ class ClosedLoopRobot:
         acting = -self.joint_resistance(q, v)
         acting[self.coordinates_v] += force
         found = forces_of_motion(self.model, self._all_closures(), self._held, (q, v, a), acting)
-        if not all(np.isfinite(one).all() for one in (*found.loops, *found.joints)):
+        both = [(one.force, one.torque) for one in (*found.loops, *found.joints)]
+        if not np.isfinite(both).all():
             raise NoFiniteAnswer(row)
         return found
 

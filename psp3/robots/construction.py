@@ -8,13 +8,70 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from psp3.checks import Array
-from psp3.errors import UnknownName
-from psp3.multibody.equations import Hinge
+from psp3.checks import (
+    Array,
+    checked_finite,
+    checked_kind,
+    checked_names,
+    one_row,
+)
+from psp3.errors import InvalidValue, UnknownName
+from psp3.multibody.equations import Coupling, Hinge, Spin
 from psp3.multibody.named_frames import frame_number
 
 CLOSURE_KINDS = ("3d", "6d", "hinge")
 """Kinds of closures that can be added: a point; position and direction; a point and an axis."""
+
+
+def check_parts(
+    model: Any,
+    constraint_models: Any,
+    actuated: Any,
+    visual_model: Any,
+    options: Mapping[str, Any],
+    closures: Any,
+) -> None:
+    """Raise :class:`InvalidValue` if a part of a robot is of another kind than it should be."""
+    checked_kind("model", model, pin.Model, "a pinocchio.Model")
+    vector = pin.StdVec_RigidConstraintModel
+    checked_kind("constraint_models", constraint_models, (list, tuple, vector), "a list of loops")
+    for loop in constraint_models:
+        checked_kind("constraint_models", loop, pin.RigidConstraintModel, "RigidConstraintModels")
+    checked_names("actuated", actuated)
+    wanted = "a pinocchio.GeometryModel or None"
+    checked_kind("visual_model", visual_model, (pin.GeometryModel, type(None)), wanted)
+    checked_kind("equations", options["equations"], tuple, "a list of Hinge or Coupling")
+    for equation in options["equations"]:
+        checked_kind("equations", equation, (Hinge, Coupling, Spin), "a list of Hinge or Coupling")
+    if options["springs"] is not None:
+        _check_springs(model, options["springs"])
+    if options["tendons"] is not None:
+        _check_tendons(options["tendons"])
+    if options["coordinates"] is not None:
+        checked_names("coordinates", options["coordinates"])
+    checked_kind("closures", closures, (list, tuple), "a list of two frames and a kind each")
+    for closure in closures:
+        if len(checked_names("closures", closure)) != 3:
+            raise InvalidValue("closures", closure, "two frames and a kind each")
+
+
+def _check_springs(model: pin.Model, springs: Any) -> None:
+    checked_kind("springs", springs, Mapping, "a mapping of joints to stiffness and rest")
+    for name, numbers in springs.items():
+        if not isinstance(name, str) or not model.existJointName(name):
+            raise UnknownName("joint with a spring", name, tuple(model.names)[1:])
+        one_row(f"springs[{name!r}]", numbers, 2)
+
+
+def _check_tendons(tendons: Any) -> None:
+    wanted = "a mapping of motors to the levers of joints by their names"
+    checked_kind("tendons", tendons, Mapping, wanted)
+    for name, levers in tendons.items():
+        checked_kind("tendons", name, str, wanted)
+        checked_kind("tendons", levers, Mapping, wanted)
+        for joint, lever in levers.items():
+            checked_kind("tendons", joint, str, wanted)
+            checked_finite(f"tendons[{name!r}][{joint!r}]", lever)
 
 
 def motor_matrix(

@@ -25,7 +25,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, one_row
+from psp3.checks import (
+    Array,
+    checked_robot,
+    one_row,
+)
 from psp3.errors import MasslessBody, UnexportableJoint, UnphysicalInertia
 from psp3.multibody.equations import Coupling
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
@@ -119,6 +123,7 @@ def to_mjcf(robot: ClosedLoopRobot) -> str:
     InvalidValue
         If the spin of a ball is held whose body is not one of revolution about it.
     """
+    checked_robot(robot)
     model = robot.model
     check_exportable(robot)
     bodies = _tree(robot)

@@ -9,7 +9,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import checked_not_negative, one_row
+from psp3.checks import (
+    checked_not_negative,
+    checked_robot,
+    one_row,
+)
 from psp3.errors import InvalidValue
 from psp3.multibody.named_frames import frame_number
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
@@ -54,6 +58,7 @@ def with_payload(
     InvalidArray
         If the moments are not three finite numbers.
     """
+    checked_robot(robot)
     mass, moments = checked_not_negative("mass", mass), one_row("inertia", inertia, 3)
     if (moments < 0.0).any() or 2.0 * moments.max() > moments.sum() * (1.0 + 1e-12):
         raise InvalidValue(

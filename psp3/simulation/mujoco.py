@@ -16,7 +16,14 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, as_floats, checked_count
+from psp3.checks import (
+    Array,
+    as_floats,
+    checked_count,
+    checked_positive,
+    checked_robot,
+    one_row,
+)
 from psp3.drives.drive import NO_DRIVE, Drive, drive_table
 from psp3.errors import InvalidValue, MissingPackage
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
@@ -71,6 +78,7 @@ class MuJoCo:
         limits: tuple[ArrayLike, ArrayLike] | None = None,
         torque_limit: ArrayLike | None = None,
     ) -> None:
+        checked_robot(robot)
         self._engine = mujoco = _mujoco()
         self._robot, self._steps = robot, checked_count("steps", steps)
         m = len(robot.actuated)
@@ -133,7 +141,8 @@ class MuJoCo:
         Under constant forces of the motors (m,). None if MuJoCo warns of a bad state, or a loop is
         torn.
         """
-        warnings: list[str] = []
+        forces = one_row("forces", forces, self.model.nu)
+        duration, warnings = checked_positive("duration", duration), list[str]()
         self.model.opt.timestep = duration / self._steps
         # MuJoCo passes over a force beyond this with a warning, as if there were none.
         self.data.ctrl[:] = np.clip(forces, -UNLIMITED, UNLIMITED)

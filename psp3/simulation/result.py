@@ -11,7 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy2.support.text_files import written_whole
-from psp3.checks import Array
+from psp3.checks import (
+    Array,
+    checked_path,
+)
 from psp3.errors import InvalidResultFile
 from psp3.trajectories.motion import Motion
 
@@ -99,7 +102,7 @@ class Result:
         path : path
             The file; an existing one is replaced only when the new one is complete.
         """
-        path = Path(path)
+        path = checked_path("path", path)
         arrays = {name: getattr(self, name) for name in _ARRAYS}
         arrays |= dict(zip(_DESIRED, self.desired, strict=True))
         arrays |= {
@@ -128,9 +131,10 @@ def load_result(path: str | Path) -> Result:
         If the file is missing, truncated, of another kind or version, or its arrays do not fit
         together.
     """
+    path = checked_path("path", path)
     try:
         # Opened here, because np.load leaves a file that it cannot read open.
-        with Path(path).open("rb") as file:
+        with path.open("rb") as file:
             archive = np.load(file, allow_pickle=False)
             content = {name: archive[name] for name in archive.files}
     except (OSError, ValueError, EOFError, AttributeError, zipfile.BadZipFile, zlib.error) as error:

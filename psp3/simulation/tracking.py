@@ -12,7 +12,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, checked_count, checked_positive, one_or_each, one_row
+from psp3.checks import (
+    Array,
+    checked_count,
+    checked_positive,
+    checked_robot,
+    one_or_each,
+    one_row,
+)
 from psp3.collisions.motion import check_clearance
 from psp3.control.controller import Controller, widths_of
 from psp3.control.feedback import check_feedback
@@ -25,6 +32,9 @@ from psp3.simulation.result import JOINTS, REPORTED, Result
 from psp3.simulation.runge_kutta import RungeKutta
 from psp3.trajectories.motion import Motion, check_stroke, completed
 from psp3.trajectories.trajectory import Trajectory
+
+MOST_STEPS = 10**8
+"""More samples than that do not fit into memory."""
 
 
 def simulate(
@@ -110,8 +120,21 @@ def simulate(
         one before it carry time, state and torque, and the part simulated so far as
         ``error.result``.
     """
+    checked_robot(robot)
+    for name, given, question in (
+        ("controller", controller, "torque"),
+        ("trajectory", trajectory, "__call__"),
+        ("plant", plant, "advance"),
+        ("progress", progress, "__call__"),
+    ):
+        is_left_out = given is None and name in ("plant", "progress")
+        if not is_left_out and not hasattr(given, question):
+            raise InvalidValue(name, given, f"a {name}, with a method {question}")
     duration, period = checked_positive("duration", duration), checked_positive("period", period)
     # The small excess keeps rounding from losing the last of 5200 periods of 2 ms in 10.4 s.
+    if not duration / period <= MOST_STEPS:
+        wanted = f"at most {MOST_STEPS:.0e} periods of {period} s, which fit into memory"
+        raise InvalidValue("duration", duration, wanted)
     steps = int(duration / period * (1.0 + 1e-12) + 1e-9)
     if steps < 1:
         raise InvalidValue("duration", duration, f"at least one period of {period} s")

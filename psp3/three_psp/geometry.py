@@ -15,7 +15,14 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, finite_array, finite_rows, together
+from psp3.checks import (
+    Array,
+    checked_positive,
+    finite_array,
+    finite_rows,
+    overflow_refused,
+    together,
+)
 from psp3.errors import InvalidValue, UnreachablePose
 
 SCREW_AZIMUTHS = np.array([0.0, 2.0 * np.pi / 3.0, 4.0 * np.pi / 3.0])
@@ -82,7 +89,7 @@ def heights_of_tilt(
     half = np.tan(0.5 * theta) ** 2
     cosine = np.cos(theta)
     arms = (
-        screw_radius
+        checked_positive("screw_radius", screw_radius)
         * (1.0 + cosine)
         / (2.0 * cosine)
         * (1.0 + 2.0 * half * np.cos(2.0 * phi + SCREW_AZIMUTHS))
@@ -122,11 +129,9 @@ def arm_lengths(heights: ArrayLike, screw_radius: float) -> Array:
     InvalidArray
         If the heights are not finite or of another shape.
     """
-    a = finite_rows("heights", heights, 3)
+    a, d = finite_rows("heights", heights, 3), checked_positive("screw_radius", screw_radius)
     nuts = np.stack(
-        np.broadcast_arrays(
-            screw_radius * np.cos(SCREW_AZIMUTHS), screw_radius * np.sin(SCREW_AZIMUTHS), a
-        ),
+        np.broadcast_arrays(d * np.cos(SCREW_AZIMUTHS), d * np.sin(SCREW_AZIMUTHS), a),
         axis=-1,
     )
     # Absurd heights overflow to lengths that are not numbers; the caller's check says so better
@@ -184,6 +189,10 @@ def _fold(direction: float, d: float, h: float) -> complex:
     return _tip_map(size * ray, d, h)[0]
 
 
+SHORTEST_TOOL = 1e-12
+"""As a share of the screws' radius; the reach of a shorter tool is lost in rounding."""
+
+
 def tip_reach(azimuth: ArrayLike, screw_radius: float, tool_length: float) -> Array:
     r"""Return how far from the vertical axis the tip gets at an azimuth.
 
@@ -210,6 +219,11 @@ def tip_reach(azimuth: ArrayLike, screw_radius: float, tool_length: float) -> Ar
     """
     from scipy.optimize import brentq
 
+    d, h = (
+        checked_positive("screw_radius", screw_radius),
+        checked_positive("tool_length", tool_length),
+    )
+
     def reach(angle: float) -> float:
         # One third of the curve, mirrored: between a screw's azimuth and the cusp half-way to the
         # next one the tip's azimuth rises from 0 to 60 degrees with the slope's direction.
@@ -222,12 +236,16 @@ def tip_reach(azimuth: ArrayLike, screw_radius: float, tool_length: float) -> Ar
             direction = upper
         else:
             direction = brentq(
-                lambda b: np.angle(_fold(b, screw_radius, tool_length)) - folded,
+                lambda b: np.angle(_fold(b, d, h)) - folded,
                 lower,
                 upper,
                 xtol=1e-14,
             )
-        return abs(_fold(direction, screw_radius, tool_length))
+        return abs(_fold(direction, d, h))
 
+    if h < SHORTEST_TOOL * d:
+        raise InvalidValue("tool_length", h, f"at least {SHORTEST_TOOL * d:.3g} m")
     angles = finite_array("azimuth", azimuth)
-    return np.array([reach(float(angle)) for angle in angles.ravel()]).reshape(angles.shape)
+    with overflow_refused("screw_radius and tool_length"):
+        found = [reach(float(angle)) for angle in angles.ravel()]
+    return np.array(found).reshape(angles.shape)

@@ -25,7 +25,10 @@ from dataclasses import asdict, dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from psp3.errors import InvalidValue, UnknownName
+from psp3.checks import (
+    as_floats,
+)
+from psp3.errors import InvalidArray, InvalidValue, UnknownName
 
 
 @dataclass(frozen=True)
@@ -86,8 +89,8 @@ class Parameters:
                 f"{'positive' if strict else 'not negative'}"
             )
             try:
-                values = np.asarray(value, dtype=float)
-            except (TypeError, ValueError) as error:
+                values = as_floats(field.name, value, str(shape)).reshape(np.shape(value))
+            except InvalidArray as error:
                 raise InvalidValue(field.name, value, requirement) from error
             if (
                 values.shape != shape
@@ -96,8 +99,7 @@ class Parameters:
                 or (strict and (values == 0).any())
             ):
                 raise InvalidValue(field.name, value, requirement)
-            if shape:
-                object.__setattr__(self, field.name, tuple(values.tolist()))
+            object.__setattr__(self, field.name, tuple(values.tolist()) if shape else float(values))
 
     @property
     def total_mass(self) -> float:

@@ -18,7 +18,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, applied_to_rows, as_floats, finite_rows, one_row, together
+from psp3.checks import (
+    Array,
+    applied_to_rows,
+    as_floats,
+    checked_kind,
+    finite_rows,
+    one_row,
+    together,
+)
 from psp3.dynamics.dynamics_model import DynamicsModel
 from psp3.errors import InvalidArray, InvalidValue, UnknownName, UnreachablePose, UnreachableTip
 from psp3.multibody.core import LastPose
@@ -104,6 +112,7 @@ class PSP3(ClosedLoopRobot):
         visual_model: Any,
         parameters: Parameters,
     ) -> None:
+        checked_kind("parameters", parameters, Parameters, "psp3.Parameters")
         super().__init__(model, constraint_models, actuated, q0, visual_model)
         self.parameters = parameters
         self._load_kernels()

@@ -26,7 +26,12 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array
+from psp3.checks import (
+    Array,
+    checked_kind,
+    finite_array,
+    finite_rows,
+)
 from psp3.errors import InvalidArray, InvalidValue
 from psp3.three_psp.geometry import SCREW_AZIMUTHS
 from psp3.three_psp.robot import PSP3
@@ -102,7 +107,10 @@ def tilt_and_azimuth(rotation: ArrayLike) -> tuple[Array, Array]:
         Angle between the star's axis and the vertical, and direction of the axis's horizontal part;
         0 if it has none [rad].
     """
-    axis = np.asarray(rotation, dtype=float)[..., :, 2]
+    matrices = finite_array("rotation", rotation)
+    if matrices.shape[-2:] != (3, 3):
+        raise InvalidArray("rotation", "(..., 3, 3)", rotation)
+    axis = matrices[..., :, 2]
     horizontal = np.hypot(axis[..., 0], axis[..., 1])
     # Adding 0.0 turns −0.0 into 0.0, whose arctangent would be π.
     return np.arctan2(horizontal, axis[..., 2]), np.arctan2(axis[..., 1] + 0.0, axis[..., 0] + 0.0)
@@ -137,7 +145,8 @@ def map_at_heights(robot: PSP3, heights: ArrayLike) -> WorkspaceMap:
     UnreachablePose
         If an arm length is not positive.
     """
-    a = np.asarray(heights, dtype=float)
+    _check_psp3(robot)
+    a = finite_rows("heights", heights, 3)
     pose = robot.forward_kinematics(a)
     tilt, azimuth = tilt_and_azimuth(pose.rotation)
     b = pose.arms
@@ -188,6 +197,7 @@ def map_over_tilt(robot: PSP3, tilt: ArrayLike, azimuth: ArrayLike) -> Workspace
     InvalidValue
         If a tilt is negative or 90° or more.
     """
+    _check_psp3(robot)
     theta, phi = _angles(tilt=tilt, azimuth=azimuth)
     if theta.size and not (theta.min() >= 0.0 and theta.max() < 0.5 * np.pi):
         wrong = theta.min() if theta.min() < 0.0 else theta.max()
@@ -235,6 +245,7 @@ def map_over_reach(robot: PSP3, share: ArrayLike, azimuth: ArrayLike) -> Workspa
     InvalidValue
         If a share is not within [0, 1].
     """
+    _check_psp3(robot)
     rho, phi = _angles(share=share, azimuth=azimuth)
     if rho.size and not (rho.min() >= 0.0 and rho.max() <= 1.0):
         raise InvalidValue(
@@ -296,6 +307,7 @@ def fold_tilt(robot: PSP3, azimuth: ArrayLike) -> Array:
     InvalidArray
         If an azimuth is not finite.
     """
+    _check_psp3(robot)
     (phi,) = _angles(azimuth=azimuth)
     # Short of the tilt where an arm vanishes: beyond it there is no Jacobian.
     end = largest_tilt(phi) * (1.0 - 1e-9)
@@ -340,6 +352,7 @@ def reach_boundary(robot: PSP3, azimuth: ArrayLike) -> Array:
     InvalidArray
         If an azimuth is not finite.
     """
+    _check_psp3(robot)
     (phi,) = _angles(azimuth=azimuth)
     heights = robot.inverse_kinematics(0.0, fold_tilt(robot, phi), phi)
     return robot.forward_kinematics(heights).tip[..., :2]
@@ -363,17 +376,15 @@ def _tip_determinant(robot: PSP3, tilt: Array, azimuth: Array) -> Array:
     return determinant
 
 
+def _check_psp3(robot: object) -> None:
+    checked_kind("robot", robot, PSP3, "a 3-PSP, as psp3.load() returns it")
+
+
 def _angles(**arguments: ArrayLike) -> list[Array]:
     """Return finite float arrays, broadcast against each other."""
     arrays = []
     for name, value in arguments.items():
-        try:
-            array = np.asarray(value, dtype=float)
-        except (TypeError, ValueError) as error:
-            raise InvalidArray(name, "(...,)", value) from error
-        if not np.isfinite(array).all():
-            raise InvalidArray(name, "(...,)", array)
-        arrays.append(array)
+        arrays.append(finite_array(name, value))
     try:
         return list(np.broadcast_arrays(*arrays))
     except ValueError as error:

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, finite_array
-from psp3.errors import StrokeExceeded
+from psp3.checks import Array, checked_kind, checked_robot, finite_array
+from psp3.errors import InvalidArray, StrokeExceeded
 from psp3.robots.robot import Robot
 
 
@@ -36,7 +36,8 @@ def tip_of(robot: Robot, positions: Array) -> Array:
 
     NaN if the robot has no such frame. Positions may be :func:`completed`.
     """
-    return robot.tip(completed(robot, positions))
+    checked_robot(robot)
+    return robot.tip(completed(robot, finite_array("positions", positions)))
 
 
 def completed(robot: Robot, positions: Array) -> Array:
@@ -44,7 +45,10 @@ def completed(robot: Robot, positions: Array) -> Array:
 
     They are where they are in the reference pose.
     """
-    others = robot.reference[np.shape(positions)[-1] :]
+    k, p = np.shape(positions)[-1:], len(robot.reference)
+    if k not in ((p,), (robot.commanded,)):
+        raise InvalidArray("positions", f"(..., {robot.commanded})", positions)
+    others = robot.reference[k[0] :]
     if not others.size:
         return positions
     shape = (*np.shape(positions)[:-1], others.size)
@@ -56,7 +60,9 @@ def check_stroke(robot: Robot, t: Array, motion: Motion) -> None:
 
     At the first time; the limits are those of the actuated joints.
     """
-    k = motion.positions.shape[-1]
+    checked_robot(robot)
+    checked_kind("motion", motion, Motion, "what a trajectory returns, a Motion")
+    t, k = finite_times(t), motion.positions.shape[-1]
     lower, upper = (limit[:k] for limit in robot.limits)
     outside = ((motion.positions < lower) | (motion.positions > upper)).any(axis=-1)
     if outside.any():

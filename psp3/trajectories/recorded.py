@@ -9,7 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, finite_rows
+from psp3.checks import (
+    Array,
+    checked_path,
+    checked_robot,
+    finite_rows,
+)
 from psp3.errors import InvalidArray, InvalidTrajectoryFile, InvalidValue
 from psp3.robots.robot import Robot
 from psp3.trajectories.motion import finite_times
@@ -94,7 +99,7 @@ class FromCSV(Trajectory):
         super().__init__(robot)
         columns = {"tip": ("t", "x", "y", "z")} if self.space == "tip" else {}
         self.space, table = _read_table(
-            Path(path), columns | {"joints": ("t", *self.robot.actuated)}
+            checked_path("path", path), columns | {"joints": ("t", *self.robot.actuated)}
         )
         try:
             knots, values = _knots(table[:, 0], table[:, 1:], self.width, minimum=4)
@@ -148,10 +153,11 @@ def measured_motion(path: str | Path, robot: Robot) -> MeasuredMotion:
         If the file is missing, lacks the columns, or has a row that is not as many finite numbers;
         the error names the line.
     """
+    checked_robot(robot)
     names, numbers = robot.actuated, range(1, len(robot.actuated) + 1)
     own = "t", *names, *(f"force_{name}" for name in names)
     numbered = "t", *(f"a{k}" for k in numbers), *(f"force{k}" for k in numbers)
-    _, table = _read_table(Path(path), {"names": own, "numbers": numbered})
+    _, table = _read_table(checked_path("path", path), {"names": own, "numbers": numbered})
     try:
         t, rows = _knots(table[:, 0], table[:, 1:], 2 * len(names), minimum=LEAST_MEASUREMENTS)
     except (InvalidArray, InvalidValue) as error:

@@ -15,7 +15,10 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array
+from psp3.checks import (
+    Array,
+    checked_robot,
+)
 from psp3.collisions.motion import check_clearance
 from psp3.errors import InvalidValue, UnknownName
 from psp3.robots.robot import Robot
@@ -59,6 +62,8 @@ class Trajectory:
     """Time after which the robot rests, None if it never does [s]."""
 
     def __init__(self, robot: Robot | None = None, space: str | None = None) -> None:
+        if robot is not None:
+            checked_robot(robot)
         self.robot: Robot = _default_robot() if robot is None else robot
         has_inverse = self.robot.has_inverse_of_tip
         self.space = ("tip" if has_inverse else "joints") if space is None else space
@@ -95,15 +100,32 @@ class Trajectory:
         ------
         InvalidArray
             If a time is not finite.
+        InvalidValue
+            If the motion is too fast or too long for numbers.
         UnreachableTip
             If the tip would have to leave its reach.
         UnreachablePose, ClosureFailed, JointLimitExceeded
             If the joints lead to a pose that the robot cannot take.
         """
-        point, velocity, acceleration = self._path(finite_times(t))
+        point, velocity, acceleration = self._finite_path(finite_times(t))
         if self.space == "joints":
             return Motion(point, velocity, acceleration, tip_of(self.robot, point))
         return Motion(*self.robot.motion_of_tip(point, velocity, acceleration), point)
+
+    def _finite_path(self, t: Array) -> tuple[Array, Array, Array]:
+        """Return the path; raise :class:`InvalidValue` where its numbers overflow."""
+        try:
+            with np.errstate(all="ignore"):
+                path = self._path(t)
+        except OverflowError:
+            path = (np.full(1, np.nan),) * 3
+        if not all(np.isfinite(part).all() for part in path):
+            raise InvalidValue(
+                type(self).__name__,
+                "a motion whose numbers overflow",
+                "slower, of a longer period or duration, and not longer than numbers can say",
+            )
+        return path
 
     def _path(self, t: Array) -> tuple[Array, Array, Array]:
         raise NotImplementedError(

@@ -97,7 +97,9 @@ def of_loading(folder: Path) -> Iterator[tuple[str, Call]]:
     """Yield what makes robots: of names, of files and of parts in memory."""
     five_bar, machine = robot("five_bar"), robot("psp3")
     title = {"reads": lambda made: made.q0}
-    none = {"closures": ("empty",), "model_paths": ("empty",), "joint_type": ("empty",)}
+    none = dict.fromkeys(("closures", "model_paths", "coordinates"), ("empty",))
+    # An empty mapping, too, and no name of a motor.
+    none |= {"joint_type": ("empty",), "actuated": ("empty",)}
     yield "load", Call(psp3.load, {"name": "five_bar", "parameters": "default"}, **title)
     choice = {"free": "lock", "coordinates": None, "closures": ()}
     from_urdf = {"urdf": FILES / "five_bar.urdf", "loops": FILES / "five_bar.yaml"}
@@ -108,7 +110,7 @@ def of_loading(folder: Path) -> Iterator[tuple[str, Call]]:
             psp3.ClosedLoopRobot.from_urdf,
             from_urdf,
             # Without poses it begins with the neutral one.
-            {**none, "srdf": ("None",)},
+            {**none, "srdf": ("None",), "loops": ("None",)},
             **title,
         ),
     )
@@ -128,7 +130,8 @@ def of_loading(folder: Path) -> Iterator[tuple[str, Call]]:
         "visual_model": None,
     }
     more = {"equations": (), "springs": None, "tendons": None, **choice}
-    may_be_empty = dict.fromkeys(("equations", "springs", "tendons", "closures"), ("empty",))
+    may_be_empty = dict.fromkeys(("equations", "closures", "coordinates"), ("empty",))
+    may_be_empty["constraint_models"] = ("empty",)
     may_be_empty["q0"] = ("None",)
     yield (
         "ClosedLoopRobot",
@@ -142,7 +145,7 @@ def of_loading(folder: Path) -> Iterator[tuple[str, Call]]:
         "visual_model": machine.visual_model,
         "parameters": psp3.Parameters(),
     }
-    yield "PSP3", Call(psp3.PSP3, own, {"visual_model": ("None",), "q0": ("None",)}, **title)
+    yield "PSP3", Call(psp3.PSP3, own, {**may_be_empty, "visual_model": ("None",)}, **title)
     numbers = {**psp3.Parameters().as_dict()}
     yield "Parameters", Call(psp3.Parameters, numbers)
     yield "to_mjcf", Call(psp3.to_mjcf, {"robot": five_bar})
@@ -165,13 +168,14 @@ def of_kinematics() -> Iterator[tuple[str, Call]]:
     yield "square_task", Call(square_task, task)
     analysis = psp3.SingularityAnalysis(*task.values())
     q = five_bar.configuration(POSES["five_bar"])
-    yield "SingularityAnalysis", Call(psp3.SingularityAnalysis, {**task, "length": 0.2})
+    optional = {"length": ("None",)}
+    yield "SingularityAnalysis", Call(psp3.SingularityAnalysis, {**task, "length": 0.2}, optional)
     classify = {"configuration": q, "tolerance": 1e-6}
     yield "SingularityAnalysis.classify", Call(analysis.classify, classify)
     yield "SingularityAnalysis.measures", Call(analysis.measures, {"configurations": q})
     yield "SingularityAnalysis.positions", Call(analysis.positions, {"configurations": q})
     more = {**task, "over": "task", "length": 0.2, "singular_below": 0.01}
-    yield "Workspace", Call(psp3.Workspace, more)
+    yield "Workspace", Call(psp3.Workspace, more, optional)
     space = psp3.Workspace(**more)
     x, z = space.reference["x"], space.reference["z"]
     grid = {"x": [x - 0.01, x + 0.01], "z": [z, z + 0.01]}
@@ -201,7 +205,9 @@ def of_kinematics() -> Iterator[tuple[str, Call]]:
         "heights_of_tilt",
         Call(geometry.heights_of_tilt, tilted, dict.fromkeys(tilted, anything)),
     )
-    yield "arm_lengths", Call(geometry.arm_lengths, {"heights": heights, "screw_radius": 0.2})
+    # Lengths that overflow are no numbers, which is what the caller looks at.
+    lengths = {"heights": heights, "screw_radius": 0.2}
+    yield "arm_lengths", Call(geometry.arm_lengths, lengths, {"screw_radius": ("huge",)})
     yield (
         "geometry.tip_reach",
         Call(geometry.tip_reach, {"azimuth": 0.3, "screw_radius": 0.2, "tool_length": 0.1}),
@@ -209,11 +215,13 @@ def of_kinematics() -> Iterator[tuple[str, Call]]:
     rotation = machine.forward_kinematics(heights).rotation
     yield "tilt_and_azimuth", Call(workspace.tilt_and_azimuth, {"rotation": rotation})
     over = {"robot": machine, **angles}
-    yield "map_over_tilt", Call(workspace.map_over_tilt, over, **status)
+    # One angle goes with several, and a column makes a map.
+    grids = dict.fromkeys(("tilt", "share", "azimuth"), ("one entry too few", "column"))
+    yield "map_over_tilt", Call(workspace.map_over_tilt, over, grids)
     share = {"robot": machine, "share": [0.2, 0.4], "azimuth": [0.3, 0.4]}
-    yield "map_over_reach", Call(workspace.map_over_reach, share, **status)
+    yield "map_over_reach", Call(workspace.map_over_reach, share, grids)
     at = {"robot": machine, "heights": np.stack([heights, heights + 0.01])}
-    yield "map_at_heights", Call(workspace.map_at_heights, at, **status)
+    yield "map_at_heights", Call(workspace.map_at_heights, at)
     free = {"azimuth": SHAPES}
     yield "largest_tilt", Call(workspace.largest_tilt, {"azimuth": [0.3, 0.4]}, free)
     both = {"robot": machine, "azimuth": [0.3, 0.4]}
@@ -258,13 +266,17 @@ def of_implementations(name: str) -> Iterator[tuple[str, Call]]:
             )
         for method in dir(model):
             function = getattr(model, method, None)
-            if method.startswith("_") or not callable(function) or method.startswith("from_"):
+            if method.startswith(("_", "from_")) or not callable(function):
                 continue
             names = parameters_of(function)
             if names and set(names) <= set(good):
+                taken = TAKEN.get(method, {})
                 whose = "NaturalOrthogonalComplement" if other == "noc" else other
                 whose += "" if name == "psp3" else f" of {name}"
-                yield f"{whose}.{method}", Call(function, {part: good[part] for part in names})
+                yield (
+                    f"{whose}.{method}",
+                    Call(function, {part: good[part] for part in names}, taken),
+                )
 
 
 def of_trajectories(folder: Path) -> Iterator[tuple[str, Call]]:
@@ -310,7 +322,11 @@ def of_trajectories(folder: Path) -> Iterator[tuple[str, Call]]:
     motion = paths.Hold(robot=five_bar)(np.array([0.1, 0.2]))
     yield (
         "check_stroke",
-        Call(paths.check_stroke, {"robot": five_bar, "t": np.array([0.1, 0.2]), "motion": motion}),
+        Call(
+            paths.check_stroke,
+            {"robot": five_bar, "t": np.array([0.1, 0.2]), "motion": motion},
+            {"t": SHAPES},
+        ),
     )
     yield "finite_times", Call(paths.finite_times, {"t": [0.1, 0.2]}, {"t": SHAPES})
     yield (
@@ -335,13 +351,19 @@ def of_simulation(folder: Path) -> Iterator[tuple[str, Call]]:
     yield "drive_table", Call(drives.drive_table, {"drive": drive, "joints": 3})
     yield (
         "Encoder",
-        Call(simulation.Encoder, {"resolution": np.array([0.1, 0.2]), "period": 0.1}),
+        Call(
+            simulation.Encoder,
+            {"resolution": np.array([0.1, 0.2]), "period": 0.1},
+            {"resolution": SHAPES},
+        ),
     )
     seen = {"positions": np.array([0.1, 0.2]), "speeds": np.array([0.3, 0.4])}
-    yield (
-        "Encoder.read",
-        Call(lambda **given: simulation.Encoder(np.array([0.1, 0.2]), 0.1).read(**given), seen),
-    )
+    free = {"positions": SHAPES, "speeds": SHAPES}
+
+    def read(**given: Any) -> Any:
+        return simulation.Encoder(np.array([0.1, 0.2]), 0.1).read(**given)
+
+    yield "Encoder.read", Call(read, seen, free)
     run = {
         "robot": five_bar,
         "controller": psp3.PD(10.0, 1.0),
@@ -359,11 +381,11 @@ def of_simulation(folder: Path) -> Iterator[tuple[str, Call]]:
     }
     optional = dict.fromkeys(("initial_positions", "initial_speeds", "torque_limit"), ("None",))
     # One that asks for no force is one, too.
-    yield "simulate", Call(psp3.simulate, run, optional, lambda result: result[:5])
+    yield "simulate", Call(psp3.simulate, run, optional, lambda result: result.positions)
     result = psp3.simulate(**run)
     yield "Result.save", Call(result.save, {"path": folder / "run.npz"}, {"path": ANY_TEXT})
     result.save(folder / "saved.npz")
-    yield "load_result", Call(psp3.load_result, {"path": folder / "saved.npz"})
+    yield "load_result", Call(psp3.load_result, {"path": folder / "saved.npz"}, {"path": ANY_TEXT})
     engine = {"robot": five_bar, "steps": 2, "drive": psp3.Drive(0.1, 0.1)}
     engine |= {"limits": ([-3.0, -3.0], [3.0, 3.0]), "torque_limit": [5.0, 6.0]}
     yield (
@@ -456,7 +478,7 @@ def of_bounds() -> Iterator[tuple[str, Call]]:
         Call(
             bounds.conformal_bound,
             {"scores": scores, "share": 0.5},
-            {"scores": SHAPES},
+            {"scores": (*SHAPES, "infinite entry")},  # of a run that failed
         ),
     )
     yield "runs_needed", Call(bounds.runs_needed, {"share": 0.5})
@@ -493,7 +515,15 @@ def of_trees() -> Iterator[tuple[str, Call]]:
     tree |= {"independent_v": five_bar.coordinates_v, "locked_v": (), "springs": None}
     yield (
         "flattened",
-        Call(closure.flattened, tree, {"locked_v": ("empty",), "springs": ("empty",)}),
+        Call(
+            closure.flattened,
+            tree,
+            {
+                "locked_v": ("empty",),
+                "constraint_models": ("empty",),
+                "independent_v": ("empty", "one entry too few"),
+            },
+        ),
     )
     flat = closure.flattened(five_bar.model, five_bar.constraint_models, closure.NO_MOTORS)
     yield (
@@ -523,7 +553,7 @@ def write_files(folder: Path) -> None:
     """Write the files that the table names."""
     (folder / "arm.sdf").write_text(ARM)
     steps = range(4)
-    lines = [f"{0.1 * k},{0.01 * k},0,0.1" for k in steps]
+    lines = [f"{0.1 * k},{0.004 * k},0,0.1" for k in steps]
     (folder / "path.csv").write_text("t,x,y,z\n" + "\n".join(lines))
     lines = [f"{0.1 * k},{0.01 * k * k},0,0.02,{k},2,3" for k in range(14)]
     head = "t,a1,a2,a3,force1,force2,force3"
