@@ -9,14 +9,14 @@ import contextlib
 import decimal
 import math
 import numbers
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from psp3.errors import InvalidArray, InvalidValue
+from psp3.errors import InvalidArray, InvalidValue, UnknownName
 
 MOST = 2**63 - 1
 """Whoever gives a greater number does not mean to count to it."""
@@ -244,6 +244,27 @@ def overflow_refused(what: str) -> Iterator[None]:
     except (FloatingPointError, OverflowError) as error:
         wanted = "of such a size that results are numbers; check the units"
         raise InvalidValue(what, str(error), wanted) from error
+
+
+def listed(name: str, values: Any, requirement: str) -> tuple[Any, ...]:
+    """Return what a list holds; raise :class:`InvalidValue` if it is none, such as a text."""
+    if not isinstance(values, str | bytes | np.ma.MaskedArray):
+        with contextlib.suppress(TypeError):
+            return tuple(values)
+    raise InvalidValue(name, values, requirement)
+
+
+def known_name(what: str, name: object, known: Collection[str]) -> str:
+    """Return a name that is among the known ones; raise :class:`UnknownName` if it is not."""
+    if not isinstance(name, str) or name not in known:
+        raise UnknownName(what, name, tuple(known))
+    return name
+
+
+def checked_function(name: str, value: object) -> None:
+    """Raise :class:`InvalidValue` if something cannot be called."""
+    if not callable(value):
+        raise InvalidValue(name, value, "a function")
 
 
 def checked_random(rng: object) -> None:

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue
+from fuzzy2.learning.samples import check_scale
 from fuzzy2.learning.tunable_system import TunableSystem
 from fuzzy2.support.checks import (
     Array,
-    check_scale,
     generator,
     of_kind,
     positive,

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-import numpy as np
-
 from fuzzy2.errors import InvalidValue
 from fuzzy2.support.checks import Array, broadcast, real, reals
 
@@ -37,9 +35,6 @@ def fields_of_one_shape(names: tuple[str, str], location: Any, width: Any) -> tu
     centers, widths = broadcast(
         " and ".join(names), reals(names[0], location), reals(names[1], width)
     )
-    for name, field in zip(names, (centers, widths), strict=True):
-        if np.isinf(field).any():
-            raise InvalidValue(name, field, "finite numbers, or NaN where there is none")
     if (widths < 0.0).any():
         raise InvalidValue(names[1], widths, "at least 0")
     return centers, widths

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from psp3.checks import Array
-from psp3.errors import InvalidValue, UnknownName
+from psp3.checks import Array, known_name
+from psp3.errors import InvalidValue
 from psp3.plots.panels import Panels, given_panels
 from psp3.study.comparison import Comparison, records_in_words
 from psp3.study.run import Run
@@ -109,8 +109,7 @@ def figure_of_mismatch(
     InvalidValue
         If there are not as many axes as panels.
     """
-    if metric not in LABELS:
-        raise UnknownName("metric", metric, tuple(LABELS))
+    known_name("metric", metric, LABELS)
     kinds = list(dict.fromkeys(case.snr_db for case in found.cases))
     paths = list(dict.fromkeys(case.trajectory for case in found.cases))
     groups = [

@@ -9,7 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from psp3.errors import InvalidValue, UnknownName
+from psp3.checks import known_name
+from psp3.errors import InvalidValue
 from psp3.plots.panels import Panels, given_panels
 from psp3.three_psp.robot import PSP3
 from psp3.three_psp.workspace import WorkspaceMap, fold_tilt
@@ -112,8 +113,7 @@ def figure_of_workspace(
     UnknownName
         If ``over`` is something else.
     """
-    if over not in ("tilt", "tip"):
-        raise UnknownName("coordinates of a workspace figure", over, ("tilt", "tip"))
+    known_name("coordinates of a workspace figure", over, ("tilt", "tip"))
     if poses.tilt.ndim != 2 or min(poses.tilt.shape) < 2:
         raise InvalidValue("poses", poses.tilt.shape, "a map of N by K poses, both at least 2")
     panels = given_panels(axes, 6) or tuple(

@@ -38,7 +38,7 @@ from pathlib import Path
 
 from fuzzy2.support.one_thread import one_thread
 from fuzzy2.support.text_files import written_whole
-from psp3.checks import checked_count
+from psp3.checks import checked_count, checked_path
 from psp3.errors import InvalidValue, RunsFailed, SchedulerUnavailable, StudyInterrupted
 from psp3.study import cluster
 from psp3.study.execution import execute
@@ -223,7 +223,7 @@ class Study:
         OSError
             If it cannot be written.
         """
-        path = Path(path)
+        path = checked_path("path", path)
         if path.resolve() == self.path:
             raise InvalidValue(
                 "path", str(path), "another file than that of the study, which it would replace"

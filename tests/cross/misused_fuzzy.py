@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import functools
-import inspect
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -12,15 +10,23 @@ from typing import Any
 import numpy as np
 
 import fuzzy2
-from fuzzy2.errors import MalformedFile
 from fuzzy2 import learning, plots
+from fuzzy2.errors import MalformedFile
 from tests.misuse import Call, methods_of, parameters_of
 
 ANYTHING = ("*",)
 ANY_TEXT = ("text",)
-POINTS = ("infinite", "infinite entry", "empty", "one entry too many", "one entry too few", "column")
+POINTS = (
+    "infinite",
+    "infinite entry",
+    "empty",
+    "one entry too many",
+    "one entry too few",
+    "column",
+)
 """What a function of single numbers takes as well: numbers of any shape, and the infinite ones."""
 NOT_A_NUMBER = ("NaN", "NaN entry")
+INFINITE = ("infinite", "infinite entry")
 VANISHED = ("huge entries",)
 """So far out no rule fires, and the answer is NaN, as documented."""
 SHAPES = ("one entry too many", "one entry too few", "column", "empty")
@@ -53,7 +59,9 @@ SETS: dict[str, Any] = {
     "GaussianUncertainMean": UNCERTAIN,
     "GaussianUncertainSigma": fuzzy2.GaussianUncertainSigma(0.0, (0.5, 1.0)),
     "Interval": fuzzy2.Interval(-1.0, 1.0),
-    "IntervalType2Set": fuzzy2.IntervalType2Set(fuzzy2.Gaussian(0.0, 0.5), fuzzy2.Gaussian(0.0, 1.0)),
+    "IntervalType2Set": fuzzy2.IntervalType2Set(
+        fuzzy2.Gaussian(0.0, 0.5), fuzzy2.Gaussian(0.0, 1.0)
+    ),
     "NamedShape": fuzzy2.NamedShape("cosine", (0.0, 2.0)),
     "PiShaped": fuzzy2.PiShaped(-1.0, 0.0, 1.0, 2.0),
     "SampledSet": fuzzy2.SampledSet([-1.0, 0.5, 2.0], [0.2, 1.0, 0.4]),
@@ -110,7 +118,9 @@ def learners() -> dict[str, Any]:
     return {
         "ANFIS": fuzzy2.ANFIS(most_epochs=2).fit(X, y),
         "WangMendel": fuzzy2.WangMendel().fit(X, y),
-        "FuzzyClassifier": fuzzy2.FuzzyClassifier(most_epochs=2, rng=np.random.default_rng(1)).fit(X, y > 0.5),
+        "FuzzyClassifier": fuzzy2.FuzzyClassifier(most_epochs=2, rng=np.random.default_rng(1)).fit(
+            X, y > 0.5
+        ),
     }
 
 
@@ -163,7 +173,7 @@ NOT_FOR_USERS = ("kernel_row", "log_firing", "one_row", "quadrature_points", "at
 
 
 def methods(
-    kind: str, thing: Any, values: dict[str, Any], takes: dict[str, Any], fresh: Any = None
+    kind: str, thing: Any, values: dict[str, Any], takes: dict[str, Any]
 ) -> Iterator[tuple[str, Call]]:
     """Yield the public methods of a thing, whose arguments are known by their names."""
     for name, _ in methods_of(type(thing)):
@@ -199,7 +209,14 @@ def of_sets() -> Iterator[tuple[str, Call]]:
         }
         if name in ("FunctionalSet", "FunctionalType2Set"):
             takes |= dict.fromkeys(("left", "right", "knots"), ("infinite",))
-        yield name, Call(type(one), {field: getattr(one, field) for field in names if hasattr(one, field)}, takes)
+        yield (
+            name,
+            Call(
+                type(one),
+                {field: getattr(one, field) for field in names if hasattr(one, field)},
+                takes,
+            ),
+        )
 
 
 OF_CONSTRUCTORS_TAKE = {
@@ -227,8 +244,13 @@ OF_CONSTRUCTORS_TAKE = {
 def of_systems() -> Iterator[tuple[str, Call]]:
     """Yield how systems are made and what they answer."""
     for name, one in systems().items():
-        yield from methods(name, one, OF_SYSTEMS, {"X": ("column", *VANISHED), "x": VANISHED, "domain": ("None",)})
-        yield f"{name}.__call__", Call(lambda X, system=one: system(X), {"X": INPUTS}, {"X": ("column", *VANISHED)})
+        yield from methods(
+            name, one, OF_SYSTEMS, {"X": ("column", *VANISHED), "x": VANISHED, "domain": ("None",)}
+        )
+        yield (
+            f"{name}.__call__",
+            Call(lambda X, system=one: system(X), {"X": INPUTS}, {"X": ("column", *VANISHED)}),
+        )
     cases: dict[str, Any] = {
         "inputs": TERMS,
         "rules": RULES,
@@ -261,26 +283,112 @@ def of_systems() -> Iterator[tuple[str, Call]]:
 
     for name, one in systems().items():
         if name.endswith("System") and name[:2] in ("Ty", "In", "Ge"):
-            yield name, Call(called(type(one)), {**cases, "inputs": one.inputs, **({"reduction": "alpha_planes", "levels": 3, "grade_t_norm": "min"} if name[0] == "G" else {})}, OF_CONSTRUCTORS_TAKE)
+            yield (
+                name,
+                Call(
+                    called(type(one)),
+                    {
+                        **cases,
+                        "inputs": one.inputs,
+                        **(
+                            {"reduction": "alpha_planes", "levels": 3, "grade_t_norm": "min"}
+                            if name[0] == "G"
+                            else {}
+                        ),
+                    },
+                    OF_CONSTRUCTORS_TAKE,
+                ),
+            )
     clouds = systems()["AnYaSystem"]
-    yield "AnYaSystem", Call(fuzzy2.AnYaSystem, {"clouds": [[0.0, 1.0], [2.0, 3.0]], "asked": [0, 1], "consequents": clouds.consequents, "input_names": ["a", "b"]}, {"clouds": ("ragged", "one entry too many", "one entry too few"), "input_names": ("None",)})
+    yield (
+        "AnYaSystem",
+        Call(
+            fuzzy2.AnYaSystem,
+            {
+                "clouds": [[0.0, 1.0], [2.0, 3.0]],
+                "asked": [0, 1],
+                "consequents": clouds.consequents,
+                "input_names": ["a", "b"],
+            },
+            {
+                "clouds": ("ragged", "one entry too many", "one entry too few"),
+                "input_names": ("None",),
+            },
+        ),
+    )
     yield "ParallelSystem", Call(fuzzy2.ParallelSystem, {"systems": [systems()["Type1System"]]})
-    yield "Linear", Call(fuzzy2.Linear, {"coefficients": np.array([[[1.0, 2.0]], [[0.5, -1.0]]]), "spreads": np.array([[[0.1, 0.2]], [[0.0, 0.1]]])}, {"spreads": ("None",)})
-    yield "Rule", Call(fuzzy2.Rule, {"antecedents": {"a": "low"}, "consequents": {"c": "high"}, "weight": 0.5, "otherwise": {"c": "low"}}, {"otherwise": ("empty",)})
+    yield (
+        "Linear",
+        Call(
+            fuzzy2.Linear,
+            {
+                "coefficients": np.array([[[1.0, 2.0]], [[0.5, -1.0]]]),
+                "spreads": np.array([[[0.1, 0.2]], [[0.0, 0.1]]]),
+            },
+            {"spreads": ("None",)},
+        ),
+    )
+    yield (
+        "Rule",
+        Call(
+            fuzzy2.Rule,
+            {
+                "antecedents": {"a": "low"},
+                "consequents": {"c": "high"},
+                "weight": 0.5,
+                "otherwise": {"c": "low"},
+            },
+            {"otherwise": ("empty",)},
+        ),
+    )
     words = {"a": ["low", "high"]}, {"c": ["weak", "strong"]}
-    yield "parse_rules", Call(fuzzy2.parse_rules, {"rules": "IF a is low THEN c is weak", "inputs": words[0], "outputs": words[1]})
-    yield "format_rules", Call(fuzzy2.format_rules, {"antecedents": [[0], [1]], "consequents": [[1], [0]], "inputs": words[0], "outputs": words[1]})
-    for name, fuzzifier in (("SingletonFuzzifier", fuzzy2.SingletonFuzzifier()), ("NonSingletonFuzzifier", fuzzy2.NonSingletonFuzzifier(fuzzy2.Gaussian(0.0, 0.2)))):
+    yield (
+        "parse_rules",
+        Call(
+            fuzzy2.parse_rules,
+            {"rules": "IF a is low THEN c is weak", "inputs": words[0], "outputs": words[1]},
+        ),
+    )
+    yield (
+        "format_rules",
+        Call(
+            fuzzy2.format_rules,
+            {
+                "antecedents": [[0], [1]],
+                "consequents": [[1], [0]],
+                "inputs": words[0],
+                "outputs": words[1],
+            },
+        ),
+    )
+    for name, fuzzifier in (
+        ("SingletonFuzzifier", fuzzy2.SingletonFuzzifier()),
+        ("NonSingletonFuzzifier", fuzzy2.NonSingletonFuzzifier(fuzzy2.Gaussian(0.0, 0.2))),
+    ):
         given = {"term": LOW, "x": [-0.5, 0.25], "t_norm": "product"}
         yield f"{name}.firing", Call(fuzzifier.firing, given, {"x": (*SHAPES, *NOT_A_NUMBER)})
-        general = {**given, "term": SETS["GaussianType2Set"], "alphas": [0.5, 1.0], "grade_t_norm": "min"}
-        yield f"{name}.firing_planes", Call(fuzzifier.firing_planes, general, {"x": (*SHAPES, *NOT_A_NUMBER), "alphas": SHAPES})
+        general = {
+            **given,
+            "term": SETS["GaussianType2Set"],
+            "alphas": [0.5, 1.0],
+            "grade_t_norm": "min",
+        }
+        yield (
+            f"{name}.firing_planes",
+            Call(
+                fuzzifier.firing_planes, general, {"x": (*SHAPES, *NOT_A_NUMBER), "alphas": SHAPES}
+            ),
+        )
     yield "NonSingletonFuzzifier", Call(fuzzy2.NonSingletonFuzzifier, {"shape": LOW})
 
 
 def of_learning() -> Iterator[tuple[str, Call]]:
     """Yield what learns, and what it has learned."""
-    kinds = {"ANFIS": fuzzy2.ANFIS, "WangMendel": fuzzy2.WangMendel, "FuzzyClassifier": fuzzy2.FuzzyClassifier}
+    kinds = {
+        "ANFIS": fuzzy2.ANFIS,
+        "WangMendel": fuzzy2.WangMendel,
+        "FuzzyClassifier": fuzzy2.FuzzyClassifier,
+    }
     few = {"most_epochs": 2}
     X, y = samples()
     for name, one in learners().items():
@@ -293,57 +401,247 @@ def of_learning() -> Iterator[tuple[str, Call]]:
         def fitted(learner: Any = kinds[name], outputs: Any = y, **given: Any) -> Any:
             return learner(**given).fit(X, outputs).predict(INPUTS)
 
-        yield name, Call(fitted, made, {"rng": ("None",), "ridge": ("None", "column"), "output_terms": ("None",)})
-        for called, call in methods(name, one, {**OF_LEARNERS, **({"y": np.array([True, False, True]), "fit.y": y} if name == "FuzzyClassifier" else {})}, {"X": ("column", *VANISHED), "x": VANISHED, "fit.y": ("column",), "score.y": ("column",), "deep": ANYTHING, "sample_weight": ("huge", "tiny", "true")}):
+        yield (
+            name,
+            Call(
+                fitted,
+                made,
+                {"rng": ("None",), "ridge": ("None", "column"), "output_terms": ("None",)},
+            ),
+        )
+        for called, call in methods(
+            name,
+            one,
+            {
+                **OF_LEARNERS,
+                **(
+                    {"y": np.array([True, False, True]), "fit.y": y}
+                    if name == "FuzzyClassifier"
+                    else {}
+                ),
+            },
+            {
+                "X": ("column", *VANISHED),
+                "x": VANISHED,
+                "fit.y": ("column",),
+                "score.y": ("column",),
+                "deep": ANYTHING,
+                "sample_weight": ("huge", "tiny", "true"),
+            },
+        ):
             if called.endswith(".fit"):
+
                 def fit(kind: Any = kinds[name], made: Any = made, **given: Any) -> Any:
                     return kind(**made).fit(**given).predict(INPUTS)
+
                 call = call._replace(function=fit)
             yield called, call
     X, y = samples()
     system = systems()["Type1System"]
-    yield "AdaptiveConsequents", Call(fuzzy2.AdaptiveConsequents, {"system": system, "forgetting": 0.99, "trust": 1.0, "bounds": ([-1.0], [5.0])}, {"bounds": ("None", "column", "infinite entry")})
+    yield (
+        "AdaptiveConsequents",
+        Call(
+            fuzzy2.AdaptiveConsequents,
+            {"system": system, "forgetting": 0.99, "trust": 1.0, "bounds": ([-1.0], [5.0])},
+            {"bounds": ("None", "column", "infinite entry")},
+        ),
+    )
 
     def update(**given: Any) -> Any:
         return fuzzy2.AdaptiveConsequents(system).update(**given)
 
-    yield "AdaptiveConsequents.update", Call(update, {"X": INPUTS, "y": np.array([[0.1], [0.5], [0.2]])}, {"X": VANISHED})
-    yield "fine_tune", Call(fuzzy2.fine_tune, {"system": system, "X": X, "y": y, "rng": np.random.default_rng(1), "learning_rate": 0.01, "most_epochs": 2, "patience": 1, "validation_share": 0.2}, {"y": ("column",)}, reads=lambda found: None)
-    yield "add_noise", Call(lambda signal, snr_db, rng=None: fuzzy2.add_noise(signal, snr_db, rng if rng is not None else np.random.default_rng(1)), {"signal": [0.1, 0.5, -0.3], "snr_db": 10.0}, {"signal": SHAPES, "snr_db": ("infinite",)})
-    yield "mean_variation_from_snr", Call(fuzzy2.mean_variation_from_snr, {"snr_db": [10.0, 20.0]}, {"snr_db": POINTS})
-    yield "snr_from_mean_variation", Call(fuzzy2.snr_from_mean_variation, {"mean_variation": [0.1, 0.2]}, {"mean_variation": SHAPES})
-    yield "gaussian_partition", Call(fuzzy2.gaussian_partition, {"least": -1.0, "greatest": 1.0, "n_terms": 3, "kind": "it2", "mean_variation": 0.1})
+    yield (
+        "AdaptiveConsequents.update",
+        Call(update, {"X": INPUTS, "y": np.array([[0.1], [0.5], [0.2]])}, {"X": VANISHED}),
+    )
+    yield (
+        "fine_tune",
+        Call(
+            fuzzy2.fine_tune,
+            {
+                "system": system,
+                "X": X,
+                "y": y,
+                "rng": np.random.default_rng(1),
+                "learning_rate": 0.01,
+                "most_epochs": 2,
+                "patience": 1,
+                "validation_share": 0.2,
+            },
+            {"y": ("column",)},
+            reads=lambda found: None,
+        ),
+    )
+    yield (
+        "add_noise",
+        Call(
+            lambda signal, snr_db, rng=None: fuzzy2.add_noise(
+                signal, snr_db, rng if rng is not None else np.random.default_rng(1)
+            ),
+            {"signal": [0.1, 0.5, -0.3], "snr_db": 10.0},
+            {"signal": SHAPES, "snr_db": ("infinite",)},
+        ),
+    )
+    yield (
+        "mean_variation_from_snr",
+        Call(fuzzy2.mean_variation_from_snr, {"snr_db": [10.0, 20.0]}, {"snr_db": POINTS}),
+    )
+    yield (
+        "snr_from_mean_variation",
+        Call(
+            fuzzy2.snr_from_mean_variation,
+            {"mean_variation": [0.1, 0.2]},
+            {"mean_variation": SHAPES},
+        ),
+    )
+    yield (
+        "gaussian_partition",
+        Call(
+            fuzzy2.gaussian_partition,
+            {"least": -1.0, "greatest": 1.0, "n_terms": 3, "kind": "it2", "mean_variation": 0.1},
+        ),
+    )
     yield "automf", Call(fuzzy2.automf, {"least": -1.0, "greatest": 1.0, "terms": 3})
-    yield "lagged", Call(fuzzy2.lagged, {"series": [1.0, 2.0, 3.0, 5.0, 8.0], "lags": [0, 2], "horizon": 1}, {"series": ("column", "one entry too many", "one entry too few")})
+    yield (
+        "lagged",
+        Call(
+            fuzzy2.lagged,
+            {"series": [1.0, 2.0, 3.0, 5.0, 8.0], "lags": [0, 2], "horizon": 1},
+            {"series": ("column", "one entry too many", "one entry too few")},
+        ),
+    )
     yield "term_names", Call(learning.term_names, {"n_terms": 3})
-    yield "fuzzy_c_means", Call(fuzzy2.fuzzy_c_means, {"X": X, "n_clusters": 2, "fuzzifier": 2.0, "rng": None, "starts": 2, "sample_weight": None})
-    yield "subtractive_clustering", Call(fuzzy2.subtractive_clustering, {"X": X, "radius": 0.5, "squash": 1.5, "sample_weight": None})
+    yield (
+        "fuzzy_c_means",
+        Call(
+            fuzzy2.fuzzy_c_means,
+            {
+                "X": X,
+                "n_clusters": 2,
+                "fuzzifier": 2.0,
+                "rng": None,
+                "starts": 2,
+                "sample_weight": None,
+            },
+        ),
+    )
+    yield (
+        "subtractive_clustering",
+        Call(
+            fuzzy2.subtractive_clustering,
+            {"X": X, "radius": 0.5, "squash": 1.5, "sample_weight": None},
+        ),
+    )
     clusters = fuzzy2.fuzzy_c_means(X, 2)
     yield "Clusters.membership", Call(clusters.membership, {"X": INPUTS})
-    yield "Clusters", Call(fuzzy2.Clusters, {field: getattr(clusters, field) for field in parameters_of(fuzzy2.Clusters)})
-    yield "cluster_partition", Call(learning.cluster_partition, {"clusters": clusters, "widths": [0.5, 0.5], "kind": "it2", "mean_variation": 0.1})
+    yield (
+        "Clusters",
+        Call(
+            fuzzy2.Clusters,
+            {field: getattr(clusters, field) for field in parameters_of(fuzzy2.Clusters)},
+        ),
+    )
+    yield (
+        "cluster_partition",
+        Call(
+            learning.cluster_partition,
+            {"clusters": clusters, "widths": [0.5, 0.5], "kind": "it2", "mean_variation": 0.1},
+        ),
+    )
 
 
 def of_numbers() -> Iterator[tuple[str, Call]]:
     """Yield fuzzy numbers, and reductions with them."""
-    interval, bell = fuzzy2.IntervalNumber([1.0, 2.0], [0.1, 0.2]), fuzzy2.GaussianNumber([1.0, 2.0], [0.1, 0.2])
+    interval, bell = (
+        fuzzy2.IntervalNumber([1.0, 2.0], [0.1, 0.2]),
+        fuzzy2.GaussianNumber([1.0, 2.0], [0.1, 0.2]),
+    )
     number = fuzzy2.FuzzyNumber([0.0, 1.0, 1.5], [4.0, 2.0, 1.6], [0.0, 0.5, 1.0])
-    yield "IntervalNumber", Call(fuzzy2.IntervalNumber, {"center": [1.0, 2.0], "spread": [0.1, 0.2]}, {"center": (*SHAPES, *NOT_A_NUMBER), "spread": (*SHAPES, *NOT_A_NUMBER)})
-    yield "IntervalNumber.from_ends", Call(fuzzy2.IntervalNumber.from_ends, {"ends": [[1.0, 2.0], [3.0, 4.0]]}, {"ends": NOT_A_NUMBER})
-    yield "GaussianNumber", Call(fuzzy2.GaussianNumber, {"mean": [1.0, 2.0], "sigma": [0.1, 0.2], "t_norm": "product"}, {"mean": (*SHAPES, *NOT_A_NUMBER), "sigma": (*SHAPES, *NOT_A_NUMBER)})
-    yield "FuzzyNumber", Call(fuzzy2.FuzzyNumber, {"left": [0.0, 1.0, 1.5], "right": [4.0, 2.0, 1.6], "levels": [0.0, 0.5, 1.0]}, {"left": ("column",), "right": ("column",), "levels": ("None",)})
+    yield (
+        "IntervalNumber",
+        Call(
+            fuzzy2.IntervalNumber,
+            {"center": [1.0, 2.0], "spread": [0.1, 0.2]},
+            {"center": (*POINTS, *NOT_A_NUMBER), "spread": (*POINTS, *NOT_A_NUMBER)},
+        ),
+    )
+    yield (
+        "IntervalNumber.from_ends",
+        Call(
+            fuzzy2.IntervalNumber.from_ends,
+            {"ends": [[1.0, 2.0], [3.0, 4.0]]},
+            {"ends": (*NOT_A_NUMBER, *INFINITE)},
+        ),
+    )
+    yield (
+        "GaussianNumber",
+        Call(
+            fuzzy2.GaussianNumber,
+            {"mean": [1.0, 2.0], "sigma": [0.1, 0.2], "t_norm": "product"},
+            {"mean": (*POINTS, *NOT_A_NUMBER), "sigma": (*POINTS, *NOT_A_NUMBER)},
+        ),
+    )
+    yield (
+        "FuzzyNumber",
+        Call(
+            fuzzy2.FuzzyNumber,
+            {"left": [0.0, 1.0, 1.5], "right": [4.0, 2.0, 1.6], "levels": [0.0, 0.5, 1.0]},
+            {"left": ("column",), "right": ("column",), "levels": ("None",)},
+        ),
+    )
     yield "FuzzyNumber.at_levels", Call(number.at_levels, {"levels": [0.0, 0.6, 1.0]}, {})
-    yield "FuzzyNumber.of", Call(fuzzy2.FuzzyNumber.of, {"value": 1.0, "levels": [0.0, 0.5, 1.0]}, {"value": SHAPES, "levels": ("None",)})
+    yield (
+        "FuzzyNumber.of",
+        Call(
+            fuzzy2.FuzzyNumber.of,
+            {"value": 1.0, "levels": [0.0, 0.5, 1.0]},
+            {"value": SHAPES, "levels": ("None",)},
+        ),
+    )
     for one in (interval, bell, number):
         name = type(one).__name__
         yield f"{name}.interval", Call(one.interval, {"alpha": 0.6})
-        yield f"{name}.membership", Call(one.membership, {"x": [0.5, 1.5]}, {"x": (*POINTS, *NOT_A_NUMBER)})
+        yield (
+            f"{name}.membership",
+            Call(one.membership, {"x": [0.5, 1.5]}, {"x": (*POINTS, *NOT_A_NUMBER)}),
+        )
         if hasattr(one, "sum"):
             yield f"{name}.sum", Call(one.sum, {"axis": 0})
-    yield "gaussian_meet", Call(fuzzy2.gaussian_meet, {"means": [0.5, 0.6], "sigmas": [0.1, 0.05]}, {"means": (*SHAPES, *NOT_A_NUMBER), "sigmas": (*SHAPES, *NOT_A_NUMBER)})
-    yield "gaussian_meet_error", Call(fuzzy2.gaussian_meet_error, {"means": [0.5, 0.6], "sigmas": [0.1, 0.05], "points": 51}, {"means": SHAPES, "sigmas": SHAPES})
-    yield "approximate_centroid", Call(fuzzy2.approximate_centroid, {"x": [1.0, 2.0], "memberships": fuzzy2.IntervalNumber([0.5, 0.6], [0.01, 0.02])})
-    yield "approximate_generalized_centroid", Call(fuzzy2.approximate_generalized_centroid, {"Z": [1.0, 2.0], "W": fuzzy2.GaussianNumber([0.5, 0.6], [0.01, 0.02]), "t_norm": "product"}, {"t_norm": ("None",)})
+    yield (
+        "gaussian_meet",
+        Call(
+            fuzzy2.gaussian_meet,
+            {"means": [0.5, 0.6], "sigmas": [0.1, 0.05]},
+            {"means": (*SHAPES, *NOT_A_NUMBER), "sigmas": (*SHAPES, *NOT_A_NUMBER)},
+        ),
+    )
+    yield (
+        "gaussian_meet_error",
+        Call(
+            fuzzy2.gaussian_meet_error,
+            {"means": [0.5, 0.6], "sigmas": [0.1, 0.05], "points": 51},
+            {"means": SHAPES, "sigmas": SHAPES},
+        ),
+    )
+    yield (
+        "approximate_centroid",
+        Call(
+            fuzzy2.approximate_centroid,
+            {"x": [1.0, 2.0], "memberships": fuzzy2.IntervalNumber([0.5, 0.6], [0.01, 0.02])},
+        ),
+    )
+    yield (
+        "approximate_generalized_centroid",
+        Call(
+            fuzzy2.approximate_generalized_centroid,
+            {
+                "Z": [1.0, 2.0],
+                "W": fuzzy2.GaussianNumber([0.5, 0.6], [0.01, 0.02]),
+                "t_norm": "product",
+            },
+            {"t_norm": ("None",)},
+        ),
+    )
 
 
 def of_reduction() -> Iterator[tuple[str, Call]]:
@@ -351,16 +649,46 @@ def of_reduction() -> Iterator[tuple[str, Call]]:
     z, w = np.array([1.0, 2.0, 3.0]), np.array([[0.1, 0.5], [0.2, 0.6], [0.1, 0.9]])
     both = {"z": z, "w": w}
     yield "generalized_centroid", Call(fuzzy2.generalized_centroid, {**both, "method": "eiasc"})
-    yield "centroid", Call(fuzzy2.centroid, {"x": z, "lower": w[:, 0], "upper": w[:, 1], "method": "eiasc"}, {"lower": ("column",), "upper": ("column",)})
+    yield (
+        "centroid",
+        Call(
+            fuzzy2.centroid,
+            {"x": z, "lower": w[:, 0], "upper": w[:, 1], "method": "eiasc"},
+            {"lower": ("column",), "upper": ("column",)},
+        ),
+    )
     yield "nie_tan", Call(fuzzy2.nie_tan, both)
     yield "wu_mendel_bounds", Call(fuzzy2.wu_mendel_bounds, both)
     yield "begian_melek_mendel", Call(fuzzy2.begian_melek_mendel, {**both, "m": 0.5, "n": 0.5})
-    yield "alpha_plane_reduction", Call(fuzzy2.alpha_plane_reduction, {"alphas": [0.5, 1.0], "z": z, "w": np.stack([w, w]), "method": "eiasc"})
+    yield (
+        "alpha_plane_reduction",
+        Call(
+            fuzzy2.alpha_plane_reduction,
+            {"alphas": [0.5, 1.0], "z": z, "w": np.stack([w, w]), "method": "eiasc"},
+        ),
+    )
     general = SETS["GaussianType2Set"]
-    yield "alpha_plane_centroid", Call(fuzzy2.alpha_plane_centroid, {"fuzzy_set": general, "x": [-1.0, 0.0, 1.0], "alphas": [0.5, 1.0], "method": "eiasc"}, {"x": (*SHAPES, *VANISHED), "alphas": SHAPES})
+    yield (
+        "alpha_plane_centroid",
+        Call(
+            fuzzy2.alpha_plane_centroid,
+            {"fuzzy_set": general, "x": [-1.0, 0.0, 1.0], "alphas": [0.5, 1.0], "method": "eiasc"},
+            {"x": (*SHAPES, *VANISHED), "alphas": SHAPES},
+        ),
+    )
     small = fuzzy2.SampledType2Set([0.0, 1.0], [BELOW, ABOVE])
-    yield "exhaustive_centroid", Call(fuzzy2.exhaustive_centroid, {"fuzzy_set": small, "t_norm": "min", "limit": 1000})
-    yield "exhaustive_generalized_centroid", Call(fuzzy2.exhaustive_generalized_centroid, {"Z": [1.0, 2.0], "W": [BELOW, ABOVE], "t_norm": "min", "samples": None, "limit": 1000}, {"samples": ("None",)})
+    yield (
+        "exhaustive_centroid",
+        Call(fuzzy2.exhaustive_centroid, {"fuzzy_set": small, "t_norm": "min", "limit": 1000}),
+    )
+    yield (
+        "exhaustive_generalized_centroid",
+        Call(
+            fuzzy2.exhaustive_generalized_centroid,
+            {"Z": [1.0, 2.0], "W": [BELOW, ABOVE], "t_norm": "min", "samples": None, "limit": 1000},
+            {"samples": ("None",)},
+        ),
+    )
     yield "defuzzify", Call(fuzzy2.defuzzify, {"fuzzy_set": LOW, "method": "centroid"})
 
 
@@ -382,15 +710,40 @@ def of_operations() -> Iterator[tuple[str, Call]]:
     yield "union", Call(of_two(fuzzy2.union), {**two, **norm, "t_conorm": "max"}, free, reads=seen)
     yield "intersection", Call(of_two(fuzzy2.intersection), {**two, **norm}, free, reads=seen)
     yield "complement", Call(fuzzy2.complement, {"fuzzy_set": LOW}, reads=seen)
-    yield "join", Call(of_two(fuzzy2.join), {**secondary, **norm, "t_conorm": "max", "method": "auto"}, free)
+    yield (
+        "join",
+        Call(of_two(fuzzy2.join), {**secondary, **norm, "t_conorm": "max", "method": "auto"}, free),
+    )
     yield "meet", Call(of_two(fuzzy2.meet), {**secondary, **norm, "method": "auto"}, free)
     yield "negation", Call(fuzzy2.negation, {"fuzzy_set": SAMPLED})
-    yield "extend", Call(lambda f, first, second, t_norm: fuzzy2.extend(f, first, second, t_norm=t_norm), {"f": np.add, "first": BELOW, "second": ABOVE, "t_norm": "min"})
+    yield (
+        "extend",
+        Call(
+            lambda f, first, second, t_norm: fuzzy2.extend(f, first, second, t_norm=t_norm),
+            {"f": np.add, "first": BELOW, "second": ABOVE, "t_norm": "min"},
+        ),
+    )
     yield "t_norm", Call(lambda name: fuzzy2.t_norm(name)(0.3, 0.6), {"name": "min"})
     yield "t_conorm", Call(lambda name: fuzzy2.t_conorm(name)(0.3, 0.6), {"name": "max"})
     relation = np.array([[0.1, 0.9], [0.4, 0.6]])
-    yield "compose", Call(fuzzy2.compose, {"R": relation, "S": relation, "t_norm": "min", "grade_t_norm": None}, {"S": SHAPES}, reads=np.asarray)
-    yield "cartesian_product", Call(of_two(fuzzy2.cartesian_product), {"first": [0.1, 0.4], "second": [0.3, 0.9], "t_norm": "min", "grade_t_norm": None}, {"first": SHAPES, "second": SHAPES}, reads=np.asarray)
+    yield (
+        "compose",
+        Call(
+            fuzzy2.compose,
+            {"R": relation, "S": relation, "t_norm": "min", "grade_t_norm": None},
+            {"S": SHAPES},
+            reads=np.asarray,
+        ),
+    )
+    yield (
+        "cartesian_product",
+        Call(
+            of_two(fuzzy2.cartesian_product),
+            {"first": [0.1, 0.4], "second": [0.3, 0.9], "t_norm": "min", "grade_t_norm": None},
+            {"first": SHAPES, "second": SHAPES},
+            reads=np.asarray,
+        ),
+    )
     yield "cardinality", Call(fuzzy2.cardinality, {"fuzzy_set": UNCERTAIN})
     yield "fuzziness", Call(fuzzy2.fuzziness, {"fuzzy_set": UNCERTAIN})
     yield "jaccard", Call(fuzzy2.jaccard, {"first": UNCERTAIN, "second": UNCERTAIN})
@@ -412,8 +765,21 @@ def of_files(folder: Path) -> Iterator[tuple[str, Call]]:
     yield "load", Call(read, {"path": path})
     yield "save", Call(fuzzy2.save, {"thing": system, "path": path}, {"path": ANY_TEXT})
     yield "to_json", Call(fuzzy2.to_json, {"thing": system})
-    yield "from_json", Call(lambda document: fuzzy2.from_json(document)(INPUTS), {"document": fuzzy2.to_json(system)})
-    yield "export_c", Call(fuzzy2.export_c, {"system": system, "path": folder / "c", "precision": "double", "name": "system"}, reads=lambda found: None)
+    yield (
+        "from_json",
+        Call(
+            lambda document: fuzzy2.from_json(document)(INPUTS),
+            {"document": fuzzy2.to_json(system)},
+        ),
+    )
+    yield (
+        "export_c",
+        Call(
+            fuzzy2.export_c,
+            {"system": system, "path": folder / "c", "precision": "double", "name": "system"},
+            reads=lambda found: None,
+        ),
+    )
 
 
 def of_figures() -> Iterator[tuple[str, Call]]:
@@ -426,32 +792,50 @@ def of_figures() -> Iterator[tuple[str, Call]]:
         "figure_from_above": {"fuzzy_set": general},
         "figure_in_space": {"fuzzy_set": general},
         "figure_of_inference": {"explanation": explanation, "output": 0},
-        "figure_of_join_and_meet": {"F": fuzzy2.Triangular(0.1, 0.4, 0.8), "G": fuzzy2.Triangular(0.2, 0.6, 0.9), "t_norm": "min", "grade_t_norm": "min"},
+        "figure_of_join_and_meet": {
+            "F": fuzzy2.Triangular(0.1, 0.4, 0.8),
+            "G": fuzzy2.Triangular(0.2, 0.6, 0.9),
+            "t_norm": "min",
+            "grade_t_norm": "min",
+        },
         "figure_of_operations": {"first": LOW, "second": HIGH, "t_norm": "min"},
-        "figure_of_response": {"system": system, "varied": 0, "output": 0, "held": [0.0, 0.5], "domain": (-1.0, 1.0)},
-        "figure_of_rule_surface": {"system": system, "varied": (0, 1), "output": 0, "held": [0.0, 0.5], "domains": ((-1.0, 1.0), (-1.0, 1.0))},
+        "figure_of_response": {
+            "system": system,
+            "varied": 0,
+            "output": 0,
+            "held": [0.0, 0.5],
+            "domain": (-1.0, 1.0),
+        },
+        "figure_of_rule_surface": {
+            "system": system,
+            "varied": (0, 1),
+            "output": 0,
+            "held": [0.0, 0.5],
+            "domains": ((-1.0, 1.0), (-1.0, 1.0)),
+        },
         "figure_of_secondaries": {"fuzzy_set": general, "x": [0.5, 1.0]},
         "figure_of_sets": {"sets": {"low": LOW}},
         "figure_of_type_reduced": {"reduced": {"it": reduced}},
         "view": {"thing": LOW},
     }
     for name, given in arguments.items():
-        yield name, Call(getattr(plots, name), {**given, "axes": None}, {}, reads=lambda panels: None)
+        yield (
+            name,
+            Call(getattr(plots, name), {**given, "axes": None}, {}, reads=lambda panels: None),
+        )
 
 
 def rows(folder: Path) -> dict[str, Call]:
     """Return the table: what is public, with good arguments."""
-    return dict((*of_sets(), *of_systems(), *of_learning(), *of_numbers(), *of_reduction(), *of_operations(), *of_files(folder), *of_figures()))
-
-
-if __name__ == "__main__":
-    import sys, time
-    from tests.misuse import faults
-    only = sys.argv[1:]
-    for name, call in rows(Path(tempfile.mkdtemp())).items():
-        if only and not any(name.startswith(o) for o in only): continue
-        t = time.time()
-        try:
-            for f in faults(name, call): print(f)
-        except Exception as e: print('CRASH', name, repr(e)[:200])
-        if time.time() - t > 0.5: print("TIME", name, time.time() - t)
+    return dict(
+        (
+            *of_sets(),
+            *of_systems(),
+            *of_learning(),
+            *of_numbers(),
+            *of_reduction(),
+            *of_operations(),
+            *of_files(folder),
+            *of_figures(),
+        )
+    )
