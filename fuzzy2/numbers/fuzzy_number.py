@@ -215,7 +215,7 @@ class FuzzyNumber(Number):
 
     def interval(self, alpha: float) -> Array:
         """Return the (..., 2) ends of the α-cuts, 0 <= alpha <= 1."""
-        heights = np.array([share("alpha", alpha)])
+        heights = np.array([share("alpha", alpha, "a level from 0 to 1")])
         return np.concatenate(
             [self._ends_at(self.left, heights), self._ends_at(self.right, heights)], axis=-1
         )

@@ -73,11 +73,11 @@ def grade(name: str, value: object) -> float:
     return number
 
 
-def share(name: str, value: object) -> float:
+def share(name: str, value: object, requirement: str = "in [0, 1]") -> float:
     """Return ``value`` as a float; raise :class:`InvalidValue` if it is not in [0, 1]."""
-    number = real(name, value, "in [0, 1]")
+    number = real(name, value, requirement)
     if not 0.0 <= number <= 1.0:
-        raise InvalidValue(name, value, "in [0, 1]")
+        raise InvalidValue(name, value, requirement)
     return number
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from psp3.checks import Array, known_name
+from psp3.checks import Array, checked_kind, known_name
 from psp3.errors import InvalidValue
 from psp3.plots.panels import Panels, given_panels
 from psp3.study.comparison import Comparison, records_in_words
@@ -50,6 +50,7 @@ def figure_of_sweep(
     InvalidValue
         If another number of axes is given, or there is no series.
     """
+    checked_kind("series", series, Mapping, "a mapping from names to estimates by level")
     if not series:
         raise InvalidValue("series", series, "at least one series")
     (panel,) = given_panels(

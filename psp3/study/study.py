@@ -38,7 +38,7 @@ from pathlib import Path
 
 from fuzzy2.support.one_thread import one_thread
 from fuzzy2.support.text_files import written_whole
-from psp3.checks import checked_count, checked_path
+from psp3.checks import checked_count, checked_function, checked_kind, checked_path
 from psp3.errors import InvalidValue, RunsFailed, SchedulerUnavailable, StudyInterrupted
 from psp3.study import cluster
 from psp3.study.execution import execute
@@ -134,6 +134,10 @@ class Study:
             isinstance(workers, bool) or not isinstance(workers, int) or workers < 1
         ):
             raise InvalidValue("workers", workers, "a positive integer")
+        if scheduler is not None:
+            checked_kind("scheduler", scheduler, str, "an address, tcp://host:port")
+        if progress is not None:
+            checked_function("progress", progress)
         if workers is not None and scheduler is not None:
             raise InvalidValue("workers", workers, "left out where a scheduler has its own")
         if self.runs is None:

@@ -22,7 +22,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from fuzzy2.support.text_files import write_text
-from psp3.checks import Array, checked_positive, one_row
+from psp3.checks import Array, checked_positive, checked_robot, one_row
 from psp3.errors import InvalidValue
 from psp3.kinematics.tasks import rotating
 from psp3.robots.robot import Robot
@@ -130,6 +130,7 @@ class Scene:
     """
 
     def __init__(self, robot: Robot) -> None:
+        checked_robot(robot)
         self.robot = robot
         self._commands = DrawingCommands()
         self._viewer = meshcat.Visualizer(window=self._commands)

@@ -11,6 +11,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from types import TracebackType
 from typing import Any
 
+from psp3.checks import checked_count
 from psp3.errors import InvalidValue
 from psp3.robots.robot import Robot
 from psp3.visualize.commands import DrawingCommands
@@ -107,7 +108,7 @@ class Viewer(Scene):
         self._thread.start()
 
     def _listen(self, port: int) -> _Server:
-        if not 0 <= port <= LAST_PORT:
+        if checked_count("port", port, 0) > LAST_PORT:
             raise InvalidValue("port", port, f"from 0 to {LAST_PORT}")
         for candidate in range(port, min(port + 100, LAST_PORT + 1)):
             try:
