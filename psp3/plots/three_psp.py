@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from psp3.checks import checked_kind, forces, known_name
+from psp3.checks import checked_kind, known_name
 from psp3.errors import InvalidValue
 from psp3.plots.panels import Panels, given_panels
 from psp3.three_psp.robot import PSP3
@@ -118,7 +118,6 @@ def figure_of_workspace(
     known_name("coordinates of a workspace figure", over, ("tilt", "tip"))
     if poses.tilt.ndim != 2 or min(poses.tilt.shape) < 2:
         raise InvalidValue("poses", poses.tilt.shape, "a map of N by K poses, both at least 2")
-    checked_kind("forces", forces, ScrewForces, "forces along a motion, a ScrewForces")
     panels = given_panels(axes, 6) or tuple(
         Figure(figsize=(11.5, 6.6), layout="constrained").subplots(2, 3).flat
     )
