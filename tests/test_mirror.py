@@ -91,6 +91,11 @@ ELSEWHERE = {
     "fuzzy2/systems/log_firing_kernels.py": ("fuzzy2/systems/test_log_firing.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/end_slopes.py": ("fuzzy2/systems/test_gradients.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/norm_slopes.py": ("fuzzy2/systems/test_gradients.py", THROUGH_ITS_FACE),
+    "fuzzy2/systems/compiled_outputs.py": (
+        "fuzzy2/systems/test_output_tables.py",
+        THROUGH_ITS_FACE,
+    ),
+    "fuzzy2/systems/summed.py": ("fuzzy2/systems/test_sampled_rows.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/maxima.py": ("fuzzy2/systems/test_united.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/output_kernels.py": ("fuzzy2/systems/test_operators.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/outputs.py": ("fuzzy2/systems/test_operators.py", THROUGH_ITS_FACE),

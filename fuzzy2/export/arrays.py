@@ -21,12 +21,15 @@ class Arrays(Frame, ABC):
             return self._of_tuple(node, whole, known)
         if not isinstance(whole.type, Row):
             raise self.refused(node, "an entry of a number")
+        self._of_two_dimensions(node, whole)
         if isinstance(node.slice, ast.Slice):
             return self._part(node, whole, node.slice, known)
         parts = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
         if len(parts) > len(whole.type.shape):
             raise self.refused(node, "too many places")
         places = [self._counted_from(whole, i, self.place(p, known)) for i, p in enumerate(parts)]
+        for axis, place in enumerate(places):
+            self._within(node, place, whole.type.shape[axis])
         if len(whole.type.shape) == 1:
             return self._entry(whole, places[0])
         column = self.size(whole, 1)
@@ -49,6 +52,8 @@ class Arrays(Frame, ABC):
         number = self.place(node.slice, known).known
         if number is None:
             raise self.refused(node, "an entry of a tuple whose number is not known")
+        if not -len(names) <= number < len(names):
+            raise self.refused(node, f"an entry that a tuple of {len(names)} does not have")
         return self.field(whole, names[number])
 
     def place(self, node: ast.expr, known: Known) -> Value:
@@ -65,6 +70,13 @@ class Arrays(Frame, ABC):
         if place.known is not None and place.known < 0:
             return self.sum("+", self.size(whole, axis), place)
         return place
+
+    def _within(self, node: ast.AST, place: Value, size: int | None) -> None:
+        """Refuse a known place that an array of known size does not have."""
+        if place.known is None or size is None:
+            return
+        if not 0 <= place.known < size:
+            raise self.refused(node, f"place {place.known} of {size}")
 
     def sum(self, sign: str, left: Value, right: Value) -> Value:
         """Return a sum, difference or product of whole numbers."""
@@ -113,6 +125,9 @@ class Arrays(Frame, ABC):
             start = self._counted_from(whole, 0, self.place(part.lower, known))
         if part.upper is not None:
             end = self._counted_from(whole, 0, self.place(part.upper, known))
+        size = whole.type.shape[0]
+        if None not in (start.known, end.known, size) and not 0 <= start.known <= end.known <= size:
+            raise self.refused(node, f"places {start.known} to {end.known} of {size}")
         return self._piece(whole, start, self._difference(end, start))
 
     def _difference(self, end: Value, start: Value) -> Value:
@@ -141,9 +156,16 @@ class Arrays(Frame, ABC):
             place = f"{place} + {start.code}"
         return Value(kind, self.struct(kind, place, size.code))
 
+    def _of_two_dimensions(self, node: ast.AST, whole: Value) -> None:
+        """Refuse arrays of more than two dimensions."""
+        assert isinstance(whole.type, Row)
+        if not 1 <= len(whole.type.shape) <= 2:
+            raise self.refused(node, "an array of more than two dimensions, or of none")
+
     def shape(self, node: ast.Attribute, whole: Value) -> Value:
         """Translate ``array.shape`` and ``array.size``."""
         assert isinstance(whole.type, Row)
+        self._of_two_dimensions(node, whole)
         sizes = [self.size(whole, axis) for axis in range(len(whole.type.shape))]
         if node.attr == "shape":
             return self.record("tuple", [(f"f{i}", size) for i, size in enumerate(sizes)])
@@ -157,7 +179,13 @@ class Arrays(Frame, ABC):
         sizes = [self.place(argument, known) for argument in node.args]
         if not 1 <= len(sizes) <= 2:
             raise self.refused(node, "an array of more than two dimensions")
-        kind = Row(whole.type.item, whole.type.constant, tuple(size.known for size in sizes))
+        shape = tuple(size.known for size in sizes)
+        if any(size is not None and size < 0 for size in shape):
+            raise self.refused(node, "a size that is negative")
+        known_sizes, had = [n for n in shape if n is not None], whole.type.shape
+        if None not in (*shape, *had) and math.prod(known_sizes) != math.prod(n or 0 for n in had):
+            raise self.refused(node, f"{had} as {shape}")
+        kind = Row(whole.type.item, whole.type.constant, shape)
         codes = [size.code for size in sizes]
         table = whole.known
         if isinstance(table, Table):
@@ -174,6 +202,8 @@ class Arrays(Frame, ABC):
         sizes = [self.place(size, known) for size in shape]
         if any(size.known is None for size in sizes):
             raise self.refused(node, "memory whose size is not known when the code is written")
+        if not 1 <= len(sizes) <= 2 or min(size.known for size in sizes) < 0:
+            raise self.refused(node, "memory of more than two dimensions, or of a negative size")
         self.count += 1
         buffer = f"memory_{self.count}"
         total = max(math.prod(size.known for size in sizes), 1)

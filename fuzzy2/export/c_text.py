@@ -65,7 +65,10 @@ def without_idle(lines: list[str], variables: set[str]) -> list[str]:
             match = re.match(r"(\s*)(\w+) = (.*);$", line)
             if match and match[2] in variables and match[2] not in known:
                 if re.search(r"\w\(", match[3]):
-                    kept.append(f"{match[1]}(void){match[3]};")
+                    call = re.match(r"\w+(\(.*\))$", match[3])
+                    one = call is not None and bare(call[1]) != call[1]
+                    code = match[3] if one else f"({match[3]})"
+                    kept.append(f"{match[1]}(void){code};")
                 continue
             kept.append(line)
         if kept == lines:

@@ -14,11 +14,16 @@ from fuzzy2.export.values import BOOL, INT, REAL, Row, Scalar, Value
 FUNCTIONS = frozenset(
     {
         *("sqrt", "exp", "expm1", "log", "log1p", "sin", "cos", "tan", "asin", "acos", "atan"),
-        *("atan2", "sinh", "cosh", "tanh", "hypot", "floor", "ceil", "copysign", "fabs", "pow"),
+        *("atan2", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "hypot", "log10"),
+        *("floor", "ceil", "copysign", "fabs", "pow"),
     }
 )
 """Functions of ``math`` that ``math.h`` has under the same name."""
 TESTS = frozenset(("isfinite", "isnan", "isinf"))
+OF_TWO = frozenset(("atan2", "hypot", "copysign", "pow"))
+"""Functions of two numbers; all others are of one."""
+TO_WHOLE = frozenset(("floor", "ceil"))
+"""Functions that are whole numbers in Python, where zero has no sign."""
 
 
 class Calls(Arrays, ABC):
@@ -38,10 +43,16 @@ class Calls(Arrays, ABC):
         if function is None:
             return self._built_in(node, name, arguments)
         if isinstance(function, type) and hasattr(function, "_fields"):
+            if len(function._fields) != len(arguments):
+                raise self.refused(node, f"{name} has {len(function._fields)} fields")
             pairs = zip(function._fields, arguments, strict=True)
             return self.record(function.__name__, list(pairs))
         if not callable(function) or isinstance(function, type):
             raise self.refused(node, f"{name} is no kernel")
+        code = getattr(getattr(function, "py_func", function), "__code__", None)
+        # One that is chosen by a table says so itself.
+        if code and not hasattr(function, "bodies") and code.co_argcount != len(arguments):
+            raise self.refused(node, f"another number of arguments than {code.co_argcount}")
         handed = [part if part.is_known else self.handed(part) for part in arguments]
         return self.program.call(function, handed)
 
@@ -60,16 +71,28 @@ class Calls(Arrays, ABC):
                 return self._of_math("fabs", [value])
             if value.known is not None:
                 return number(abs(value.known), INT)
-            raise self.refused(node, "the absolute value of a whole number")
-        if name == "int":
-            if value.known is not None:
-                return number(int(value.known), INT)
-            return Value(INT, value.code if value.type != REAL else f"((int){value.code})")
+            return Value(INT, f"{self.program.absolute()}({bare(value.code)})")
+        if name in ("int", "round"):
+            return self._whole(node, name, value)
         if name == "float":
             return self.cast(value, REAL)
         if name == "bool":
             return self.truth(value)
         raise self.refused(node, f"{name} is no kernel")
+
+    def _whole(self, node: ast.Call, name: str, value: Value) -> Value:
+        """Translate ``int``, which leaves out what is behind the point, and ``round``."""
+        if value.known is not None:
+            if not math.isfinite(value.known):
+                raise self.refused(node, "a whole number that is not finite")
+            return self.program.precision.number(
+                int(value.known) if name == "int" else round(value.known), INT
+            )
+        if value.type != REAL:
+            return Value(INT, value.code)
+        # The nearest, and of two the even one, as long as nobody sets another way to round.
+        code = value.code if name == "int" else self._of_math("rint", [value]).code
+        return Value(INT, f"((int){code})")
 
     def truth(self, value: Value) -> Value:
         """Return whether a number is not 0."""
@@ -99,13 +122,7 @@ class Calls(Arrays, ABC):
         if isinstance(function.value, ast.Name) and function.value.id not in known:
             module = self.source.names.get(function.value.id)
             if module is math:
-                values = [self.expression(argument, known) for argument in node.args]
-                if function.attr in TESTS:
-                    code = bare(self.cast(values[0], REAL).code)
-                    return Value(BOOL, f"({function.attr}({code}) != 0)")
-                if function.attr not in FUNCTIONS:
-                    raise self.refused(node, "no function of math.h")
-                return self._of_math(function.attr, values)
+                return self._mathematics(node, function.attr, known)
             if getattr(module, "__name__", "") == "numpy":
                 if function.attr in ("empty", "zeros"):
                     return self.memory(node, function.attr == "zeros", known)
@@ -114,6 +131,22 @@ class Calls(Arrays, ABC):
         if function.attr == "reshape" and isinstance(whole.type, Row):
             return self.reshaped(node, whole, known)
         raise self.refused(node, "nothing that an array does in a kernel")
+
+    def _mathematics(self, node: ast.Call, name: str, known: Known) -> Value:
+        """Translate a function of ``math``."""
+        values = [self.expression(argument, known) for argument in node.args]
+        if name not in FUNCTIONS | TESTS:
+            raise self.refused(node, "no function of math.h")
+        if len(values) != (2 if name in OF_TWO else 1):
+            raise self.refused(node, "another number of arguments than the function has")
+        if name in TESTS:
+            code = bare(self.cast(values[0], REAL).code)
+            return Value(BOOL, f"({name}({code}) != 0)")
+        found = self._of_math(name, values)
+        if name in TO_WHOLE:
+            zero = self.program.precision.number(0.0, REAL)
+            return Value(REAL, f"({found.code} + {zero.code})")
+        return found
 
     def _of_math(self, name: str, values: list[Value]) -> Value:
         codes = ", ".join(bare(self.cast(value, REAL).code) for value in values)

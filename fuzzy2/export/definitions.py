@@ -76,6 +76,19 @@ class Definitions(ABC):
             body = "return b == 0 ? 0 : a % b + (a % b != 0 && (a < 0) != (b < 0) ? b : 0);"
         return self._helper(name, "int {}(int a, int b)", body)
 
+    def absolute(self) -> str:
+        """Return the name of the absolute value of whole numbers."""
+        return self._helper("absolute", "int {}(int a)", "return a < 0 ? -a : a;")
+
+    def real_remainder(self) -> str:
+        """Return the name of ``%`` of real numbers, which has the sign of the divisor."""
+        item, zero = self.precision.type, self.precision.literal(0.0)
+        body = f"{item} rest = {self.precision.function('fmod')}(a, b);\n"
+        body += f"    if (rest == {zero}) {{\n"
+        body += f"        return {self.precision.function('copysign')}({zero}, b);\n    }}\n"
+        body += f"    return (b < {zero}) != (rest < {zero}) ? rest + b : rest;"
+        return self._helper("real_remainder", f"{item} {{}}({item} a, {item} b)", body)
+
     def cleared(self) -> str:
         """Return the name of the function that fills memory with zeros, and returns it."""
         item = self.precision.type

@@ -10,6 +10,7 @@ from abc import ABC
 from collections.abc import Callable
 from typing import Any
 
+from fuzzy2.export.c_text import bare
 from fuzzy2.export.calls import Calls
 from fuzzy2.export.frame import Known
 from fuzzy2.export.values import BOOL, INT, REAL, Record, Row, Scalar, Value
@@ -106,6 +107,9 @@ class Expressions(Calls, ABC):
         return Value(REAL, f"({left.code} {sign} {right.code})")
 
     def _whole_division(self, node: ast.BinOp, left: Value, right: Value) -> Value:
+        if REAL in (left.type, right.type) and isinstance(node.op, ast.Mod):
+            codes = bare(self.cast(left, REAL).code), bare(self.cast(right, REAL).code)
+            return Value(REAL, f"{self.program.real_remainder()}({', '.join(codes)})")
         if REAL in (left.type, right.type):
             raise self.refused(node, "a whole division of numbers that are not whole")
         remainder = isinstance(node.op, ast.Mod)
@@ -235,6 +239,8 @@ class Expressions(Calls, ABC):
         if isinstance(one.type, Row) and isinstance(other.type, Row):
             return self._chosen_row(node, test, one, other)
         if isinstance(node.body, ast.Tuple) and isinstance(node.orelse, ast.Tuple):
+            if len(node.body.elts) != len(node.orelse.elts):
+                raise self.refused(node, "tuples of two lengths")
             pairs = zip(node.body.elts, node.orelse.elts, strict=True)
             chosen = [self.expression(ast.IfExp(node.test, *pair), known) for pair in pairs]
             return self.record("tuple", [(f"f{i}", part) for i, part in enumerate(chosen)])

@@ -85,6 +85,12 @@ class Translation(Expressions):
 
     def statement(self, node: ast.stmt, known: Known, depth: int) -> list[str]:
         """Translate a statement."""
+        try:
+            return self._statement(node, known, depth)
+        except OverflowError as error:
+            raise self.refused(node, str(error)) from error
+
+    def _statement(self, node: ast.stmt, known: Known, depth: int) -> list[str]:
         space = "    " * depth
         match node:
             case ast.Expr(value=ast.Constant()) | ast.Pass():
@@ -286,6 +292,8 @@ class Translation(Expressions):
         if not isinstance(target, ast.Tuple):
             return self._assign(target, self.expression(value, known), known, space)
         if isinstance(value, ast.Tuple):
+            if len(target.elts) != len(value.elts):
+                raise self.refused(value, "no tuple of so many values")
             pairs = zip(target.elts, value.elts, strict=True)
             return self._together(list(pairs), known, space)
         said = self.expression(value, known)
@@ -338,6 +346,8 @@ class Translation(Expressions):
                     return self.filled(target, value, known, space)
                 return [f"{space}{place.code} = {bare(self.cast(value, place.type).code)};"]
             case ast.Tuple(elts=elts) if isinstance(value.type, Record):
+                if len(elts) != len(value.type.fields):
+                    raise self.refused(target, "no tuple of so many values")
                 lines = []
                 for part, (field, _) in zip(elts, value.type.fields, strict=True):
                     lines += self._assign(part, self.field(value, field), known, space)

@@ -13,6 +13,8 @@ from fuzzy2.export.values import BOOL, INT, REAL, Record, Row, Scalar, Table, Va
 from fuzzy2.support.checks import known_name
 
 GREATEST_SINGLE, LEAST_SINGLE = 3.4028234663852886e38, 1.1754943508222875e-38
+GREATEST_WHOLE = 2**31 - 1
+TOO_LARGE = "a whole number of more than 31 bits"
 
 SINGLE = {"UNION_ROUNDING": 5e-7, "UNION_INSET": 1e-4}
 """Numbers of the kernels' modules that are others in single precision: some of its roundings."""
@@ -65,10 +67,18 @@ class Precision:
         return text if self.name == "double" else text + "f"
 
     def number(self, number: Any, kind: Scalar) -> Value:
-        """Return a number that is known."""
+        """Return a number that is known.
+
+        Raises
+        ------
+        OverflowError
+            If it is a whole one of more than 31 bits.
+        """
         if kind == BOOL:
             return Value(BOOL, "1" if number else "0", bool(number))
         if kind == INT:
+            if abs(int(number)) > GREATEST_WHOLE:
+                raise OverflowError(f"{TOO_LARGE}, {number}")
             return Value(INT, str(int(number)), int(number))
         text = self.literal(float(number))
         return Value(REAL, f"({text})" if text.startswith("-") else text, float(number))
@@ -84,10 +94,14 @@ class Precision:
             ((float, np.floating), REAL),
         ):
             if isinstance(thing, types):
+                if code and kind == INT and abs(int(thing)) > GREATEST_WHOLE:
+                    raise NotExportable(f"{code}, {thing}", TOO_LARGE, "a smaller one")
                 return self.number(thing, kind)
         if isinstance(thing, np.ndarray):
-            item = INT if thing.dtype.kind in "iu" else REAL
+            item = INT if thing.dtype.kind in "iub" else REAL
             flat = np.ascontiguousarray(thing).ravel()
+            if item == INT and any(abs(int(n)) > GREATEST_WHOLE for n in flat):
+                raise NotExportable(code, TOO_LARGE, "smaller ones")
             return Value(Row(item, True, thing.shape), code, Table(code, flat))
         if not hasattr(thing, "_fields"):
             raise NotExportable(

@@ -23,8 +23,13 @@ none, since what is remembered may be spoilt by them.
 """
 
 TOLERANCES = {"double": 1e-12, "single": 1e-3}
-"""By how much answers may differ, of the larger of the number and the usual size of its array: in
-double precision by what another C library rounds otherwise, in single precision by its roundings.
+"""By how much answers may differ, as a share of their size: in double precision by what another C
+library rounds otherwise, in single precision by its roundings.
+"""
+
+ROUNDINGS, ROUNDED_RUNS = 300.0, 3
+"""In single precision an answer may also differ by so many times what one rounding of the inputs
+makes of it, the largest of so many runs: near a singular pose that is more than a share of it.
 """
 
 
@@ -76,13 +81,7 @@ class Cases:
     def __init__(self, code: CCode, inputs: Mapping[str, Array]) -> None:
         self.code, self.calls = code, calls_of(code)
         self.inputs = self._checked(inputs)
-        self.states = {
-            argument.name: np.zeros(size_of(argument), dtype=int if argument.is_whole else float)
-            for call in self.calls
-            for argument in call.function.arguments
-            if argument.role == "state"
-        }
-        self.done = [self._answer(k, case) for k, case in self._order()]
+        self.done = self._answers(self.inputs)
 
     def _checked(self, inputs: Mapping[str, Array]) -> dict[str, Array]:
         """Return inputs as the numbers that C reads."""
@@ -104,19 +103,30 @@ class Cases:
                 if not call.begins or case % CASES_A_RUN == 0:
                     yield k, case
 
-    def _answer(self, k: int, case: int) -> tuple[int, Array, Array]:
-        """Return number of the function, what it reads, and what it writes in Python."""
+    def _answers(self, inputs: Mapping[str, Array]) -> list[tuple[int, Array, Array]]:
+        """Return of every call the function's number, what it reads, and what Python writes."""
+        states = {
+            argument.name: np.zeros(size_of(argument), dtype=int if argument.is_whole else float)
+            for call in self.calls
+            for argument in call.function.arguments
+            if argument.role == "state"
+        }
+        return [self._answer(k, case, inputs, states) for k, case in self._order()]
+
+    def _answer(
+        self, k: int, case: int, inputs: Mapping[str, Array], states: Mapping[str, Array]
+    ) -> tuple[int, Array, Array]:
         call = self.calls[k]
         arguments: list[Any] = []
         for argument in call.function.arguments:
             if argument.role == "state":
-                arguments.append(self.states[argument.name])
+                arguments.append(states[argument.name])
             elif argument.role == "out":
                 arguments.append(np.zeros(size_of(argument)))
             elif argument.size is None:
-                arguments.append(float(self.inputs[argument.name][case, 0]))
+                arguments.append(float(inputs[argument.name][case, 0]))
             else:
-                arguments.append(self.inputs[argument.name][case, : argument.size].copy())
+                arguments.append(inputs[argument.name][case, : argument.size].copy())
         roles = [argument.role for argument in call.function.arguments]
         with np.errstate(all="ignore"):
             returned = call.function.in_python(*arguments)
@@ -132,7 +142,41 @@ class Cases:
             np.concatenate([empty, *first, *by_role["out"]]),
         )
 
-    def scales(self, k: int) -> Array:
+    def sizes(self) -> list[Array]:
+        """Return of every call the size of each number that it writes.
+
+        That is the largest of the number, the usual size of its array, and in single precision what
+        roundings make of it.
+        """
+        usual = [self._usual(k) for k in range(len(self.calls))]
+        moved = self._moved()
+        with np.errstate(invalid="ignore"):
+            found = [
+                np.fmax(np.fmax(usual[k], np.abs(written)), off)
+                for (k, _, written), off in zip(self.done, moved, strict=True)
+            ]
+        return [np.where(np.isfinite(row), row, 1.0) for row in found]
+
+    def _moved(self) -> list[Array]:
+        """Return by how much roundings move every answer, as a size of which that is the share."""
+        moved = [np.zeros(written.size) for _, _, written in self.done]
+        if self.code.precision.name == "double":
+            return moved
+        share = ROUNDINGS / TOLERANCES["single"]
+        for seed in range(ROUNDED_RUNS):
+            rng = np.random.default_rng(seed)
+            rounded = {
+                name: given * (1.0 + rng.choice([-1.0, 1.0], given.shape) * 2.0**-24)
+                for name, given in self.inputs.items()
+            }
+            with np.errstate(invalid="ignore", over="ignore"):
+                for row, (_, _, one), (_, _, other) in zip(
+                    moved, self.done, self._answers(rounded), strict=True
+                ):
+                    np.fmax(row, share * np.abs(one - other), out=row)
+        return moved
+
+    def _usual(self, k: int) -> Array:
         """Return the usual size of each number that a function writes: that of its array."""
         call = self.calls[k]
         rows = np.array([written for number, _, written in self.done if number == k])
@@ -163,8 +207,8 @@ extern const unsigned char cases_functions[CASES_CALLS];
 /* Call by call the numbers that are read, and those that Python wrote. */
 extern const double cases_numbers[];
 
-/* Of each function the usual sizes of the numbers that it writes. */
-extern const double *const cases_scales[];
+/* Call by call the sizes of the numbers that Python wrote, of which errors are shares. */
+extern const double cases_sizes[];
 
 #endif
 """
@@ -175,19 +219,12 @@ extern const double *const cases_scales[];
         numbers = "\n".join(
             _wrapped(_listed(np.concatenate(both)) + ",") for _, *both in self.done if both[1].size
         )
-        scales = [self.scales(k) for k in range(len(self.calls))]
-        tables = "\n".join(
-            f"static const double scales_{k}[{len(row)}] = {{\n{_wrapped(_listed(row))}\n}};"
-            for k, row in enumerate(scales)
-            if row.size
-        )
-        names = ", ".join(f"scales_{k}" if row.size else "NULL" for k, row in enumerate(scales))
+        sizes = "\n".join(_wrapped(_short(row) + ",") for row in self.sizes() if row.size)
         return f"""\
 /* cases.c: see cases.h. */
 #include "cases.h"
 
 #include <math.h>
-#include <stddef.h>
 
 const unsigned char cases_functions[CASES_CALLS] = {{
 {order}
@@ -197,15 +234,19 @@ const double cases_numbers[] = {{
 {numbers}
 }};
 
-{tables}
-
-const double *const cases_scales[] = {{{names}}};
+const double cases_sizes[] = {{
+{sizes}
+}};
 """
 
 
 def _listed(row: Array) -> str:
     exact = Precision("double")
     return ", ".join(exact.literal(number) for number in row.tolist())
+
+
+def _short(row: Array) -> str:
+    return ", ".join(f"{number:.2e}" for number in row.tolist())
 
 
 def _wrapped(text: str) -> str:

@@ -11,11 +11,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzzy2.support.checks import Array
-from fuzzy2.support.compiled import chosen_by_table
+from fuzzy2.support.compiled import chosen_by_table, scalar
 from fuzzy2.systems.anya_kernels import densities_in
 from fuzzy2.systems.corollary_kernels import corollary_in
 from fuzzy2.systems.kernels import crisp_planes_in, evaluate_in, work_size
-from fuzzy2.systems.output_kernels import Points, average_in
+from fuzzy2.systems.monotonic_rows import Monotonics, points_in
+from fuzzy2.systems.output_kernels import Points, average_in, points_room_size
+from fuzzy2.systems.sampled_rows import Sampled, sample_in, sampled_room_size
 from fuzzy2.systems.union_rows import Unions, room_size, unite_in
 
 
@@ -34,11 +36,15 @@ class Planes(NamedTuple):
 
 
 class Corollary(NamedTuple):
-    """The Gaussian corollary: means and standard deviations of the consequents (R m,)."""
+    """The Gaussian corollary: means and standard deviations of the consequents (R m,).
+
+    ``product`` is 1 if secondary grades are multiplied.
+    """
 
     table: Array
     middles: Array
     spreads: Array
+    product: int
 
 
 class Pair(NamedTuple):
@@ -58,13 +64,15 @@ class Nothing(NamedTuple):
 class Level(NamedTuple):
     """An α-plane that is a system of its own, with its share in the outputs, and those below it.
 
-    ``defaults`` (m,) are its outputs where no rule fires; NaN for none.
+    ``defaults`` (m,) are its outputs where no rule fires; NaN for none. ``is_lowest`` is 1 where
+    there are none below it.
     """
 
     below: Any
     system: Any
     share: float
     defaults: Array
+    is_lowest: int
 
 
 class Clouds(NamedTuple):
@@ -82,16 +90,48 @@ def outputs_of(system: Any, x: Array, out: Array) -> bool:
     raise NotImplementedError
 
 
-def answer(system, x, out):
-    """Write the outputs and return 1, or NaN and 0 where an input is not finite."""
+@chosen_by_table
+def intervals_of(system: Any, x: Array, ends: Array) -> bool:
+    """Write the type-reduced intervals (m, 2), flat; return whether there are any."""
+    raise NotImplementedError
+
+
+@scalar
+def _finite(x):
+    """Return whether all inputs are."""
     finite = True
     for i in range(x.size):
         finite = finite and math.isfinite(x[i])
-    if finite and outputs_of(system, x, out):
-        return 1
+    return finite
+
+
+@scalar
+def _nothing(out):
+    """Write NaN and return 0."""
     for j in range(out.size):
         out[j] = math.nan
     return 0
+
+
+def answer(system, x, out):
+    """Write the outputs and return 1, or NaN and 0 where an input is not finite."""
+    if _finite(x) and outputs_of(system, x, out):
+        return 1
+    return _nothing(out)
+
+
+def interval(system, x, ends):
+    """Write the type-reduced intervals and return 1, or as ``answer``."""
+    if _finite(x) and intervals_of(system, x, ends):
+        return 1
+    return _nothing(ends)
+
+
+@scalar
+def _middles(ends, out):
+    """Write the middles of intervals."""
+    for j in range(out.size):
+        out[j] = 0.5 * ends[2 * j] + 0.5 * ends[2 * j + 1]
 
 
 @outputs_of.register(Averaged)
@@ -99,6 +139,14 @@ def _of_averaged(system, x, out):
     """Write the outputs of center of sets."""
     work = np.empty(work_size(system.table))
     evaluate_in(system.table, x, 0, 0.0, True, work, out, 0)
+    return True
+
+
+@intervals_of.register(Averaged)
+def _ends_of_averaged(system, x, ends):
+    """Write the ends of center of sets."""
+    work = np.empty(work_size(system.table))
+    evaluate_in(system.table, x, 0, 0.0, False, work, ends, 0)
     return True
 
 
@@ -110,10 +158,18 @@ def _of_planes(system, x, out):
     return True
 
 
+@intervals_of.register(Planes)
+def _ends_of_planes(system, x, ends):
+    """Write the ends on the lowest α-plane."""
+    work = np.empty(work_size(system.table))
+    evaluate_in(system.table, x, 0, system.widths[0], False, work, ends, 0)
+    return True
+
+
 @outputs_of.register(Corollary)
 def _of_corollary(system, x, out):
     """Write the means of the Gaussian corollary."""
-    work, moments = np.empty(work_size(system.table)), np.empty(2 * int(system.table[3]))
+    work, moments = np.empty(work_size(system.table)), np.empty(2 * out.size)
     corollary_in(
         system.table, x, 0, system.middles, system.spreads, False, work, moments, 0
     )  # the outputs do not depend on the secondary t-norm
@@ -122,25 +178,80 @@ def _of_corollary(system, x, out):
     return True
 
 
+@intervals_of.register(Corollary)
+def _ends_of_corollary(system, x, ends):
+    """Write means and standard deviations."""
+    work, product = np.empty(work_size(system.table)), system.product == 1
+    corollary_in(system.table, x, 0, system.middles, system.spreads, product, work, ends, 0)
+    return True
+
+
+@intervals_of.register(Points)
+def _ends_of_points(system, x, ends):
+    """Write the ends of averages of points."""
+    work = np.empty(points_room_size(system))
+    average_in(system, x, 0, work, ends, 0)
+    return True
+
+
 @outputs_of.register(Points)
 def _of_points(system, x, out):
     """Write the middles of averages of points."""
-    work, intervals = np.empty(work_size(system.table)), np.empty(2 * out.size)
-    average_in(system, x, 0, work, intervals, 0)
-    for j in range(out.size):
-        out[j] = 0.5 * intervals[2 * j] + 0.5 * intervals[2 * j + 1]
+    ends = np.empty(2 * out.size)
+    intervals_of(system, x, ends)
+    _middles(ends, out)
     return True
+
+
+@intervals_of.register(Unions)
+def _ends_of_unions(system, x, ends):
+    """Write the ends of centroids of united sets, if there is room for their pieces."""
+    work, room = np.empty(work_size(system.table)), np.empty(room_size(system))
+    return unite_in(system, x, 0, work, room, ends, 0)
 
 
 @outputs_of.register(Unions)
 def _of_unions(system, x, out):
     """Write the middles of centroids of united sets, if there is room for their pieces."""
-    work, room = np.empty(work_size(system.table)), np.empty(room_size(system))
-    intervals = np.empty(2 * out.size)
-    done = unite_in(system, x, 0, work, room, intervals, 0)
-    for j in range(out.size):
-        out[j] = 0.5 * intervals[2 * j] + 0.5 * intervals[2 * j + 1]
+    ends = np.empty(2 * out.size)
+    done = intervals_of(system, x, ends)
+    _middles(ends, out)
     return done
+
+
+@intervals_of.register(Sampled)
+def _ends_of_sampled(system, x, ends):
+    """Write the ends of centroids of sets on grids."""
+    work, room = np.empty(work_size(system.table)), np.empty(sampled_room_size(system))
+    sample_in(system, x, 0, work, room, ends, 0)
+    return True
+
+
+@outputs_of.register(Sampled)
+def _of_sampled(system, x, out):
+    """Write the points of united sets on grids."""
+    ends = np.empty(2 * out.size)
+    intervals_of(system, x, ends)
+    _middles(ends, out)
+    return True
+
+
+@outputs_of.register(Monotonics)
+def _of_monotonics(system, x, out):
+    """Write Tsukamoto's averages."""
+    work = np.empty(work_size(system.table))
+    points_in(system, x, 0, work, out, 0)
+    return True
+
+
+@intervals_of.register(Monotonics)
+def _ends_of_monotonics(system, x, ends):
+    """Write Tsukamoto's averages twice."""
+    out = np.empty(ends.size // 2)
+    outputs_of(system, x, out)
+    for j in range(out.size):
+        ends[2 * j] = ends[2 * j + 1] = out[j]
+    return True
 
 
 @outputs_of.register(Pair)
@@ -148,6 +259,13 @@ def _of_pair(system, x, out):
     """Write the outputs of both systems."""
     first = outputs_of(system.first, x, out[: system.outputs])
     return outputs_of(system.second, x, out[system.outputs :]) and first
+
+
+@intervals_of.register(Pair)
+def _ends_of_pair(system, x, ends):
+    """Write the ends of both systems."""
+    first = intervals_of(system.first, x, ends[: 2 * system.outputs])
+    return intervals_of(system.second, x, ends[2 * system.outputs :]) and first
 
 
 @outputs_of.register(Nothing)
@@ -170,9 +288,29 @@ def _of_level(system, x, out):
     return below and done
 
 
+@intervals_of.register(Level)
+def _ends_of_level(system, x, ends):
+    """Write the ends on the lowest α-plane."""
+    if system.is_lowest == 0:
+        return intervals_of(system.below, x, ends)
+    done = intervals_of(system.system, x, ends)
+    for j in range(ends.size):
+        if math.isnan(ends[j]):
+            ends[j] = system.defaults[j // 2]
+    return done
+
+
 @outputs_of.register(Clouds)
 def _of_clouds(system, x, out):
     """Write the outputs of rules that ask how dense clouds are about the inputs."""
     away, firing = np.empty(x.size), np.empty(system.asked.size)
     densities_in(system.data, system.starts, system.asked, x, 0, away, firing, 0)
     return outputs_of(system.consequents, firing, out)
+
+
+@intervals_of.register(Clouds)
+def _ends_of_clouds(system, x, ends):
+    """Write the ends of rules that ask how dense clouds are about the inputs."""
+    away, firing = np.empty(x.size), np.empty(system.asked.size)
+    densities_in(system.data, system.starts, system.asked, x, 0, away, firing, 0)
+    return intervals_of(system.consequents, firing, ends)

@@ -11,6 +11,7 @@ import numpy as np
 
 from fuzzy2.errors import NotExportable
 from fuzzy2.export.c_code import Argument, CCode, CWriter, Known
+from fuzzy2.export.refusals import refusal_of, refusal_of_planes
 from fuzzy2.export.system_kernels import (
     Averaged,
     Clouds,
@@ -20,16 +21,17 @@ from fuzzy2.export.system_kernels import (
     Pair,
     Planes,
     answer,
+    interval,
 )
-from fuzzy2.operations.t_norms import T_CONORMS, T_NORMS
+from fuzzy2.support.formula_kernels import left_out
 from fuzzy2.systems.anya import AnYaSystem
-from fuzzy2.systems.consequents import Formulas
+from fuzzy2.systems.consequents import Linear
 from fuzzy2.systems.firing_kernels import HEADER, TERM
 from fuzzy2.systems.general_type2 import GeneralType2System
+from fuzzy2.systems.operators import CRISP_ONLY
 from fuzzy2.systems.parallel import ParallelSystem
 from fuzzy2.systems.shape_kernels import SAMPLES
-from fuzzy2.systems.system import FuzzySystem
-from fuzzy2.systems.term_rows import TermRows
+from fuzzy2.systems.system import FuzzySystem, Type1System
 
 
 def export_c(
@@ -83,23 +85,46 @@ def c_code_of(
 ) -> CCode:
     """Return what :func:`export_c` writes."""
     system = system_of(system)
-    constants = without_shapes(getattr(system, "systems", [system]))
-    writer = CWriter(name, precision, _about(system, precision), constants=constants)
+    tables = Known("system", tables_of(system))
+    each = getattr(system, "systems", [system])
+    constants, never = without_shapes(each), _functions_left_out(each)
+    about = _about(system, precision)
+    writer = CWriter(name, precision, about, constants=constants, never=never)
     inputs, outputs = system.input_names, system.output_names
-    writer.add(
-        "evaluate",
-        "Write the outputs of the system.",
-        answer,
-        [
-            Known("system", tables_of(system)),
-            Argument("x", f"the inputs: {_listed(inputs, _ranges(system))}", len(inputs)),
-            Argument("out", f"the outputs: {_listed(outputs)}", len(outputs), "out"),
-        ],
+    x = Argument("x", f"the inputs: {_listed(inputs, _ranges(system))}", len(inputs))
+    out = Argument("out", f"the outputs: {_listed(outputs)}", len(outputs), "out")
+    returns = (
         "1, or 0 where there is no answer, because an input is not finite or united sets need more "
-        "memory than there is: then all outputs are NaN. Where no rule fires an output is NaN, "
-        "too, unless it has a default",
+        "memory than there is: then all numbers are NaN. Where no rule fires an output is NaN, "
+        "too, unless it has a default"
     )
+    does = "Write the outputs of the system."
+    writer.add("evaluate", does, answer, [tables, x, out], returns)
+    if has_intervals(system):
+        listed = f"left and right end, one after the other, of {_listed(outputs)}"
+        if getattr(system, "reduction", "") == "gaussian":
+            listed = f"mean and standard deviation, one after the other, of {_listed(outputs)}"
+        ends = Argument("ends", listed, 2 * len(outputs), "out")
+        does = (
+            "Write the type-reduced intervals of the outputs, those of the lowest α-plane if any."
+        )
+        writer.add("interval", does, interval, [tables, x, ends], returns)
     return writer.code()
+
+
+def has_intervals(system: Any) -> bool:
+    """Return whether an output of a system may be an interval that is more than a point."""
+    if isinstance(system, ParallelSystem):
+        return any(has_intervals(one) for one in system.systems)
+    if isinstance(system, AnYaSystem):
+        return has_intervals(system.consequents)
+    if system.method in ("nie_tan", "begian_melek_mendel") or system.type_reduction in CRISP_ONLY:
+        return False
+    left, right = np.moveaxis(system.consequent_intervals, -1, 0)
+    uncertain = bool((left < right).any())
+    if isinstance(system.consequents, Linear):
+        uncertain = bool((system.consequents.spreads > 0.0).any())
+    return uncertain or not isinstance(system, Type1System)
 
 
 def system_of(thing: Any) -> Any:
@@ -118,14 +143,35 @@ def without_shapes(systems: Iterable[Any]) -> dict[str, float]:
 
     Gaussians and trapezoids are none of these. Without shapes ``pow`` and its tables are spared.
     """
-    for system in systems:
-        table = getattr(system, "table", None)
+    for system in (part for one in systems for part in _tabled(one)):
+        table, reducer = getattr(system, "table", None), getattr(system, "reducer", None)
         if table is None:
+            table = getattr(reducer, "table", None)
+        if table is None or hasattr(reducer, "sets"):
             return {}
         kinds = table[HEADER + 1 : HEADER + TERM * int(table[1]) : TERM]
         if (kinds >= SAMPLES).any():
             return {}
     return {"SAMPLES": math.inf}
+
+
+def _tabled(system: Any) -> list[Any]:
+    """Return the systems whose tables are exported: where each α-plane has its own, the planes."""
+    is_one = not isinstance(system, GeneralType2System) or system.reduction == "gaussian"
+    if is_one or (system.table is not None and system.in_one_loop):
+        return [system]
+    return [plane for _, plane in system.explained_by]
+
+
+def _functions_left_out(systems: Iterable[Any]) -> tuple[str, ...]:
+    """Return the kernels of functions that no formula of a system needs."""
+    programs = [
+        part.reducer.programs.tolist()
+        for system in systems
+        for _, part in getattr(system, "explained_by", ())
+        if hasattr(part.reducer, "programs")
+    ]
+    return left_out(programs)
 
 
 def tables_of(system: Any) -> Any:
@@ -150,10 +196,9 @@ def tables_of(system: Any) -> Any:
         return _of_general(system)
     if system.table is not None:
         return Averaged(system.table)
-    for tables in (system.averaged_points, system.united_sets):
-        if tables is not None:
-            return tables
-    raise _without_table(system)
+    if system.reducer is not None:
+        return system.reducer
+    raise refusal_of(system)
 
 
 def _side_by_side(systems: list[FuzzySystem]) -> Any:
@@ -168,9 +213,10 @@ def _of_general(system: GeneralType2System) -> Any:
     table = system.table
     if system.reduction == "gaussian":
         if table is None:
-            raise _without_table(system)
+            raise refusal_of(system)
         middles, spreads = system.moments
-        return Corollary(table, middles.ravel(), spreads.ravel())
+        product = int(system.grade_t_norm == "product")
+        return Corollary(table, middles.ravel(), spreads.ravel(), product)
     if table is not None and system.in_one_loop:
         return Planes(table, system.widths, system.alphas)
     defaults = np.full(system.n_outputs, np.nan)
@@ -181,80 +227,9 @@ def _of_general(system: GeneralType2System) -> Any:
         try:
             tables = tables_of(plane)
         except NotExportable as error:
-            raise NotExportable(
-                f"an α-plane, of it {error.what}",
-                error.why,
-                f"{error.remedy}; or Gaussian type-2 sets under center of sets by an exact method, "
-                "without default outputs, which takes all planes from one table",
-            ) from error
-        levels = Level(levels, tables, share, defaults)
+            raise refusal_of_planes(system, error) from error
+        levels = Level(levels, tables, share, defaults, int(isinstance(levels, Nothing)))
     return levels
-
-
-def _without_table(system: FuzzySystem) -> NotExportable:
-    """Return the error that names the part of a system that no kernel knows."""
-    for name, terms, words in zip(
-        system.input_names, system.inputs, system.term_names, strict=True
-    ):
-        for term, word in zip(terms, words, strict=True):
-            if not TermRows().add(0, term, system.kernel_row(term)):
-                return NotExportable(
-                    f"the term {word!r} of {name!r}, {term!r:.80}",
-                    "no kernel knows this set",
-                    "its samples, term.sample(points), between which it is linear",
-                )
-    if system.fuzzifiers is not None:
-        return NotExportable(
-            "the fuzzifier",
-            "no kernel knows how it fires a term",
-            "a singleton fuzzifier, and as terms what this one makes of them: "
-            "SampledSet(points, fuzzifier.firing(term, points, system.t_norm)[:, 1])",
-        )
-    for what, norm, known in (
-        ("the t-norm", system.t_norm, T_NORMS),
-        ("the t-conorm of or", system.disjunction, T_CONORMS),
-        ("the implication", system.implication, T_NORMS),
-    ):
-        if norm != known.get(norm.name):
-            return NotExportable(
-                f"{what}, {norm.name!r}",
-                "no kernel knows this function",
-                f"one of {', '.join(known)}",
-            )
-    return _of_outputs(system)
-
-
-def _of_outputs(system: FuzzySystem) -> NotExportable:
-    if isinstance(system.consequents, Formulas):
-        return NotExportable(
-            "consequents that are formulas", "no kernel evaluates text", "fuzzy2.Linear or numbers"
-        )
-    kind = system.type_reduction
-    if kind in ("centroid", "center_of_sums"):
-        if system.integration != "exact":
-            return NotExportable(
-                f"integration {system.integration!r}",
-                "kernels integrate exactly",
-                "system.replace(integration='exact')",
-            )
-        return NotExportable(
-            "the output sets",
-            "kernels unite Gaussians and trapezoids, by the maximum or the sum, clipped by the "
-            "minimum or scaled by the product, under an exact method, 'nie_tan' or "
-            "'begian_melek_mendel'",
-            "these, or type_reduction='center_of_sets', which takes the centroid of any set",
-        )
-    if isinstance(system.rules, tuple) and system.table is None and kind == "center_of_sets":
-        return NotExportable(
-            "a hedge of the rules",
-            "kernels know powers of grades",
-            "fuzzy2.systems.hedges.Hedge(word, power=...)",
-        )
-    return NotExportable(
-        f"type reduction {kind!r}",
-        "no kernel knows it",
-        "system.replace(type_reduction='center_of_sets'), 'height', 'centroid' or 'weighted_sum'",
-    )
 
 
 def _about(system: Any, precision: str) -> list[str]:

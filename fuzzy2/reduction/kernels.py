@@ -200,10 +200,10 @@ def centroid_of_row(x: Array, lower: Array, upper: Array, method: int, out: Arra
     heaviest, farthest, before = 0.0, 0.0, -math.inf
     fine = True
     for i in range(n):
-        low, high, at = lower[i], upper[i], x[i]
+        least, most, at = lower[i], upper[i], x[i]
         # What is not a number fails every comparison.
-        fine = fine and low >= 0.0 and low <= high and high < math.inf and before <= at
-        heaviest, farthest, before = max(heaviest, high), max(farthest, abs(at)), at
+        fine = fine and least >= 0.0 and least <= most and most < math.inf and before <= at
+        heaviest, farthest, before = max(heaviest, most), max(farthest, abs(at)), at
     if not fine or not farthest < LARGEST or 0.0 < farthest < SMALLEST:
         return 0
     points, low, high = np.empty(n), np.empty(n), np.empty(n)

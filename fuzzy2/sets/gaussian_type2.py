@@ -6,18 +6,32 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue
 from fuzzy2.sets.curves import gaussian, gaussian_reach
-from fuzzy2.sets.derived import Truncated
+from fuzzy2.sets.derived import FunctionalSet, Truncated
 from fuzzy2.sets.general_type2 import GeneralType2Set
 from fuzzy2.sets.shapes import Gaussian
-from fuzzy2.sets.type1 import Singleton, Type1Set, pair_of_numbers, set_fields
+from fuzzy2.sets.type1 import KernelRow, Singleton, Type1Set, pair_of_numbers, set_fields
 from fuzzy2.support.checks import Array, ascending, real, reals
 from fuzzy2.support.quadrature import merged
+
+
+@dataclass(frozen=True)
+class MovedMembership(FunctionalSet):
+    """Bound of an α-plane: the principal membership, moved up or down and kept in [0, 1].
+
+    Compiled kernels know it by a row, the one of :mod:`fuzzy2.systems.shape_kernels`.
+    """
+
+    row: KernelRow | None = None
+
+    def _kernel_row(self) -> KernelRow | None:
+        return self.row
 
 
 @dataclass(frozen=True)
@@ -146,6 +160,20 @@ class GaussianType2Set(GeneralType2Set):
             0.0,
         )
         return np.maximum(memberships - reach, 0.0), np.minimum(memberships + reach, 1.0)
+
+    def _bound_set(self, alpha: float, end: int) -> FunctionalSet:
+        found = super()._bound_set(alpha, end)
+        row = self.principal.kernel_row()
+        # Of other principal sets, spreads that change and bounded domains no kernel knows planes.
+        if row is None or row[0] > 1.0 or callable(self.sigma) or np.isfinite(self.domain).any():
+            return found
+        reach = float(gaussian_reach(np.array(alpha), self.sigma)) if self.sigma > 0.0 else 0.0
+        kind, *numbers = row[:8]
+        # Kinds 11 and 12 of the kernels.
+        moved: Any = (kind + 11.0, *numbers, reach if end else -reach)
+        return MovedMembership(
+            found.function, found.left, found.right, found.knots, found.slope, row=moved
+        )
 
     def _slope_of_bound(self, alpha: float, end: int) -> Callable[[Array], Array] | None:
         # Slices of a width that is a function of the points have a plane whose slope needs that of

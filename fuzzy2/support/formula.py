@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -191,6 +191,49 @@ class Formula:
                 parts = [found[id(part)] for part in node.children if isinstance(part, Tree)]
                 found[id(node)] = _evaluated(node, parts, values)
         return found[id(self.tree)]
+
+    def program(self, names: Sequence[str]) -> tuple[list[float], int]:
+        """Return the steps of :mod:`fuzzy2.support.formula_kernels`, and how deep its stack gets.
+
+        ``names`` are those of the inputs, in order, and hold all that the formula asks for.
+        """
+        from fuzzy2.support.formula_kernels import INPUT, NUMBER
+
+        steps: list[float] = []
+        depth = deepest = 0
+        for node in self._leaves_first():
+            if node.data == "number":
+                steps += [NUMBER, float(str(node.children[0]))]
+            elif node.data == "name" and str(node.children[0]) == "pi":
+                steps += [NUMBER, math.pi]
+            elif node.data == "name":
+                steps += [INPUT, float(names.index(str(node.children[0])))]
+            else:
+                self._add_step(node, steps)
+            parts = sum(isinstance(part, Tree) for part in node.children)
+            depth += 1 - parts
+            deepest = max(deepest, depth)
+        return steps, deepest
+
+    def _leaves_first(self) -> list[Tree[Token]]:
+        """Return the nodes so that each follows its parts, the last of which is next to it."""
+        waiting, found = [self.tree], []
+        while waiting:
+            node = waiting.pop()
+            found.append(node)
+            waiting += [part for part in node.children if isinstance(part, Tree)]
+        return found[::-1]
+
+    @staticmethod
+    def _add_step(node: Tree[Token], steps: list[float]) -> None:
+        from fuzzy2.support.formula_kernels import CODES, NUMBER
+
+        if node.data == "call" and str(node.children[0]) == "pi":
+            steps += [NUMBER, math.pi]
+        elif node.data == "call":
+            steps.append(float(CODES[str(node.children[0])]))
+        elif node.data not in ("whole", "power"):
+            steps.append(float(CODES[node.data]))
 
     def __call__(self, x: Array) -> Array:
         """Return the formula at points (...,) of its only name, x."""

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from fuzzy2.errors import InvalidValue
 from fuzzy2.operations.t_norms import T_CONORMS, TConorm, TNorm
 from fuzzy2.support.checks import Array
-from fuzzy2.systems.hedges import Hedge
+from fuzzy2.systems.hedges import Hedge, Scaled, intensify, relax
 
 
 @dataclass(frozen=True)
@@ -207,7 +207,9 @@ def dual_conorm(norm: TNorm) -> TConorm:
 # Steps of a tree for the compiled loop, which goes through them with a stack: a number from 0 is
 # that of a term, whose grade is put on top. BOTH_NOT and EITHER_NOT join complements, by the t-norm
 # dual to what *or* means, and the t-conorm dual to what *and* means.
+# Hedges are followed by a number: their power, or factor, or none that counts.
 ONE, AND, OR, NOT, POWER, BOTH_NOT, EITHER_NOT = -1, -2, -3, -4, -5, -6, -7
+INTENSIFY, RELAX, SCALED = -8, -9, -10
 
 
 def program_of(
@@ -237,9 +239,21 @@ def program_of(
             return program_of(part, offsets, not negated)
         case Hedged(hedge, part):
             own = program_of(part, offsets)
-            if own is None or hedge.power is None:
+            step = hedge_step(hedge)
+            if own is None or step is None:
                 return None
-            return [*own, POWER, hedge.power, *([NOT] if negated else [])]
+            return [*own, *step, *([NOT] if negated else [])]
+
+
+def hedge_step(hedge: Hedge) -> tuple[float, float] | None:
+    """Return the code of a hedge and its number, or None of a function of one's own."""
+    if hedge.power is not None:
+        return POWER, hedge.power
+    if isinstance(hedge.function, Scaled):
+        return SCALED, hedge.function.factor
+    known = {intensify: INTENSIFY, relax: RELAX}
+    code = next((known[one] for one in known if one is hedge.function), None)
+    return None if code is None else (code, 0.0)
 
 
 def depth_of(tree: Antecedent) -> int:

@@ -143,10 +143,10 @@ class Monotonic:
         if ends is None:
             points = merged(*(item.landmarks for item in self._sets))
             ends = float(points[0]), float(points[-1])
-        self._bounded = bounded
+        self.is_bounded = bounded
         width = 0.0 if bounded else _BEYOND * (ends[1] - ends[0])
-        self._ends = ends[0] - width, ends[1] + width
-        self._rising = []
+        self.ends = ends[0] - width, ends[1] + width
+        self.rising = []
         for item in self._sets:
             inside = item.landmarks[(item.landmarks > ends[0]) & (item.landmarks < ends[1])]
             grades = item(np.sort(np.concatenate([np.linspace(*ends, 257), inside])))
@@ -157,34 +157,34 @@ class Monotonic:
                     f"{repr(item)[:80]} does not rise, or fall, all the way on [{ends[0]:.6g}, "
                     f"{ends[1]:.6g}]",
                 )
-            self._rising.append(bool((steps > 0.0).any()))
+            self.rising.append(bool((steps > 0.0).any()))
 
     def points(self, strengths: Array) -> Array:
         """Return the points (n, R) at which the sets have the grades (n, R)."""
         found = np.empty_like(strengths)
-        for r, (item, rising) in enumerate(zip(self._sets, self._rising, strict=True)):
+        for r, (item, rising) in enumerate(zip(self._sets, self.rising, strict=True)):
             if isinstance(item, Sigmoid):
                 found[:, r] = self._of_sigmoid(item, strengths[:, r])
                 continue
-            low = np.full(len(strengths), self._ends[0])
-            high = np.full(len(strengths), self._ends[1])
+            low = np.full(len(strengths), self.ends[0])
+            high = np.full(len(strengths), self.ends[1])
             for _ in range(_HALVINGS):
                 middle = 0.5 * (low + high)
                 before = (item(middle) < strengths[:, r]) == rising
                 low, high = np.where(before, middle, low), np.where(before, high, middle)
             found[:, r] = 0.5 * (low + high)
-            if not self._bounded:
+            if not self.is_bounded:
                 # A grade that is approached but never reached, as 1 by a sigmoid, is at infinity.
                 fires = strengths[:, r] > 0.0
-                found[fires & (high == self._ends[1]), r] = np.inf
-                found[fires & (low == self._ends[0]), r] = -np.inf
+                found[fires & (high == self.ends[1]), r] = np.inf
+                found[fires & (low == self.ends[0]), r] = -np.inf
         return found
 
     def _of_sigmoid(self, item: Sigmoid, grades: Array) -> Array:
         """Return the points of grades, which near 1 only the formula tells apart."""
         with np.errstate(divide="ignore"):
-            points = item.center - np.log(1.0 / grades - 1.0) / item.slope
-        if self._bounded:
-            return np.clip(points, *self._ends)
+            points = item.center - np.log((1.0 - grades) / grades) / item.slope
+        if self.is_bounded:
+            return np.clip(points, *self.ends)
         # What does not fire counts for nothing, wherever it is.
         return np.where(grades > 0.0, points, item.center)

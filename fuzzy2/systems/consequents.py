@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from fuzzy2.errors import InvalidValue
 from fuzzy2.sets.general_type2 import GeneralType2Set
@@ -135,7 +135,8 @@ class Formulas(FunctionsOfInputs):
             for name in sorted(one.names.difference(known)):
                 raise InvalidValue("a name in a formula", name, f"one of {', '.join(known)}")
         asked = {name for row in self._formulas for one in row for name in one.names}
-        self._asked = {name: other for name, other in self.others.items() if name in asked}
+        self.asked = {name: other for name, other in self.others.items() if name in asked}
+        """Those of ``others`` that a formula asks for."""
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -146,10 +147,20 @@ class Formulas(FunctionsOfInputs):
         """Return the text of a formula."""
         return self.formulas[r][j]
 
+    def programs(self) -> tuple[Array, NDArray[np.int64], int]:
+        """Return the formulas for :mod:`fuzzy2.support.formula_kernels`, output by output.
+
+        Their steps, where those of each begin (m R + 1,), and how many numbers they stack.
+        """
+        each = [row[j].program(self.names) for j in range(self.shape[1]) for row in self._formulas]
+        steps = [step for program, _ in each for step in program]
+        places = np.cumsum([0, *(len(program) for program, _ in each)])
+        return np.array(steps), places, max(deepest for _, deepest in each)
+
     def at(self, X: Array) -> Array:
         """Return the consequents (n, R, m, 2) at inputs (n, p); NaN where a formula has none."""
         values = {name: X[:, i] for i, name in enumerate(self.names)}
-        values |= {name: other(X) for name, other in self._asked.items()}
+        values |= {name: other(X) for name, other in self.asked.items()}
         found = np.empty((len(X), *self.shape))
         for r, row in enumerate(self._formulas):
             for j, one in enumerate(row):

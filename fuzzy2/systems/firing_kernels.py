@@ -125,6 +125,21 @@ def _either(norm, a, b):
 
 
 @scalar
+def _hedged(code, number, grade):
+    """Return what a hedge, by its code of ``fuzzy2.systems.antecedents``, makes of a grade."""
+    if code == -5:
+        return grade**number
+    if code == -8:
+        rest = 1.0 - grade
+        return 2.0 * (grade * grade) if grade <= 0.5 else 1.0 - 2.0 * (rest * rest)
+    if code == -9:
+        if grade <= 0.5:
+            return math.sqrt(0.5 * grade)
+        return 1.0 - math.sqrt(0.5 * (1.0 - grade))
+    return number * grade
+
+
+@scalar
 def _fire(table, x, xo, width, grades, low, high, stack):
     """Write lower and upper firing strength of every rule for the input that starts at ``xo``.
 
@@ -339,9 +354,10 @@ def _supplement_firing(table, grades, low, high, stack):
                 elif code == -4:
                     lower[top], upper[top] = 1.0 - upper[top], 1.0 - lower[top]
                 else:
-                    power = table[step]
+                    number = table[step]
                     step += 1
-                    lower[top], upper[top] = lower[top] ** power, upper[top] ** power
+                    lower[top] = _hedged(code, number, lower[top])
+                    upper[top] = _hedged(code, number, upper[top])
             # Rounding, which is not the same for both ends, must not exchange them.
             low[r], high[r] = min(lower[0], upper[0]), upper[0]
     for r in range(rules):

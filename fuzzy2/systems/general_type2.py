@@ -255,6 +255,9 @@ class GeneralType2System(FuzzySystem):
                     domain_of([row[j] for row in self.consequent_sets if row[j] is not None])
                     for j in range(self.n_outputs)
                 )
+                if any(left == right for left, right in ranges):
+                    # A single point is the same on all planes.
+                    ranges = None
             for alpha in self.alphas:
 
                 def cut(item: Any, alpha: float = float(alpha)) -> Any:

@@ -67,8 +67,8 @@ class Hedge:
         Power that the grade is raised to, above 0.
     function : callable, optional
         From grades (...,) in [0, 1] to grades (...,), rising or falling all the way; either this or
-        a power. Systems with such hedges are evaluated at NumPy's speed, and can be saved if it is
-        :func:`intensify`, :func:`relax` or :class:`Scaled`.
+        a power. Compiled loops, exported code and files know :func:`intensify`, :func:`relax` and
+        :class:`Scaled`; systems with others are evaluated at NumPy's speed.
 
     Raises
     ------

@@ -11,7 +11,9 @@ import math
 from fuzzy2.reduction.kernels import _log_sum, end_in_logarithms
 from fuzzy2.support.checks import Array
 from fuzzy2.support.compiled import compiled, scalar
-from fuzzy2.systems.firing_kernels import HEADER, SUPPLEMENT, TERM, VANISHED
+from fuzzy2.systems.firing_kernels import HEADER, SUPPLEMENT, TERM, VANISHED, _hedged
+
+LOG_2 = math.log(2.0)
 
 
 @scalar
@@ -111,6 +113,18 @@ def log_either(norm, a, b):
     return most + math.log1p(ratio * rest)
 
 
+@scalar
+def log_hedged(code, number, a):
+    """Do as ``_hedged`` with the logarithm of a grade."""
+    if code == -5:
+        return number * a
+    if code == -10:
+        return math.log(number) + a
+    if a >= -LOG_2:
+        return math.log(_hedged(code, number, math.exp(a)))
+    return LOG_2 + 2.0 * a if code == -8 else 0.5 * (a - LOG_2)
+
+
 @compiled
 def combine_logarithms(norm: int, either: bool, a: Array, b: Array, out: Array) -> None:
     """Write what the t-norm, or the t-conorm, of a code makes of logarithms of grades (n,)."""
@@ -181,8 +195,10 @@ def _log_fire_trees(table, grades, low, high, stack):
             elif code == -4:
                 lower[top], upper[top] = log_not(upper[top]), log_not(lower[top])
             else:
-                lower[top], upper[top] = table[step] * lower[top], table[step] * upper[top]
+                number = table[step]
                 step += 1
+                lower[top] = log_hedged(code, number, lower[top])
+                upper[top] = log_hedged(code, number, upper[top])
         low[r], high[r] = min(lower[0], upper[0]), upper[0]
 
 

@@ -42,7 +42,10 @@ from fuzzy2.reduction.interval import METHODS as EXACT_METHODS
 POINTS = ("center_of_sets", "weighted_sum", "united_average", "united_sum")
 """Type reductions that take numbers, intervals and functions, too."""
 
-AVERAGES = (*POINTS, "height", "modified_height", "tsukamoto")
+HEIGHTS = ("height", "modified_height")
+"""Type reductions that average highest points."""
+
+AVERAGES = (*POINTS, *HEIGHTS, "tsukamoto")
 """Type reductions that go rule by rule."""
 
 MAXIMA = (

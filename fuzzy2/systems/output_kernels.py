@@ -15,12 +15,15 @@ from numpy.typing import NDArray
 from fuzzy2.reduction.kernels import EIASC, end_in_logarithms, end_of_interval
 from fuzzy2.support.checks import Array
 from fuzzy2.support.compiled import compiled, scalar
-from fuzzy2.systems.firing_kernels import _both, _fire
+from fuzzy2.support.formula_kernels import formula_at
+from fuzzy2.systems.firing_kernels import _both, _either, _fire
 from fuzzy2.systems.kernels import rooms, work_size
 from fuzzy2.systems.log_firing_kernels import log_fire, lost
 
 EXACT, NIE_TAN, WU_MENDEL, BEGIAN_MELEK_MENDEL, WEIGHTED_SUM = range(5)
 """Codes of the ways from weighted points to an interval."""
+SUMMED = -1
+"""Code of the sum among those of t-conorms."""
 
 
 class Points(NamedTuple):
@@ -43,8 +46,17 @@ class Points(NamedTuple):
         1 where a rule does not speak of an output, else 0.
     defaults : (m,) ndarray
         Outputs where no rule fires; NaN for none.
-    codes : (3,) ndarray of int
-        The way, the code of the implication, and whether nothing but ratios of weights matters.
+    codes : (5,) ndarray of int
+        The way, the code of the implication, whether nothing but ratios of weights matters, how
+        the weights of rules that say the same are united, and the numbers that formulas stack.
+    leaders : (m, R) ndarray of int
+        The first rule that says the same of an output, which has the weights of all of them united;
+        or of size 0.
+    programs : ndarray
+        Steps of the formulas of the points, see :mod:`fuzzy2.support.formula_kernels`; or of size
+        0.
+    places : (m R + 1,) ndarray of int
+        Where those of each formula begin.
     of_averages : (2,) ndarray
         Weights of the lower and the upper average in that of Begian, Melek and Mendel.
     """
@@ -57,7 +69,16 @@ class Points(NamedTuple):
     silent: Array
     defaults: Array
     codes: NDArray[np.int64]
+    leaders: NDArray[np.int64]
+    programs: Array
+    places: NDArray[np.int64]
     of_averages: Array
+
+
+@scalar
+def points_room_size(system: Points) -> int:
+    """Return how much room one row takes."""
+    return work_size(system.table) + int(system.codes[4])
 
 
 @scalar
@@ -176,28 +197,57 @@ def _weight(system, q, strength, end, in_logarithms):
 
 
 @scalar
-def _gather(system, x, xo, j, end, fired, in_logarithms, points, low, high):
-    """Write the points that can carry weight, and their weights; return how many they are."""
+def _fired_together(system, j, r, end, fired):
+    """Return the united firing of the rules that say the same of an output as rule r."""
     rules = int(system.table[2])
-    none = -math.inf if in_logarithms else 0.0
-    count = 0
-    for r in range(rules):
-        q = j * rules + r
-        if system.silent[q] > 0.0:
-            continue
-        upper = _weight(system, q, fired[rules + r], 1, in_logarithms)
-        if upper > none:
-            points[count] = _said(system, x, xo, j, r, end)
-            lower = _weight(system, q, fired[r], 0, in_logarithms)
-            low[count], high[count] = min(lower, upper), upper
-            count += 1
-    return count
+    together = 0.0
+    for other in range(r, rules):
+        if system.leaders[j * rules + other] == r and not system.silent[j * rules + other] > 0.0:
+            strength = fired[end * rules + other]
+            if system.codes[3] == SUMMED:
+                together += strength
+            else:
+                together = _either(system.codes[3], together, strength)
+    return together
 
 
 @scalar
-def _reduced(system, end, points, low, high, in_logarithms, below, above):
+def _gather(system, x, xo, j, end, fired, in_logarithms, said, points, low, high):
+    """Write the points that can carry weight, and their weights.
+
+    ``said`` (R,) are the values of formulas. Return how many there are, and the sum of those points
+    that are no finite numbers; 0 stands in their place.
+    """
+    rules = int(system.table[2])
+    none = -math.inf if in_logarithms else 0.0
+    count, beyond = 0, 0.0
+    for r in range(rules):
+        q = j * rules + r
+        if system.silent[q] > 0.0 or (system.leaders.size > 0 and system.leaders[q] != r):
+            continue
+        if system.leaders.size > 0:
+            least = _fired_together(system, j, r, 0, fired)
+            most = _fired_together(system, j, r, 1, fired)
+        else:
+            least, most = fired[r], fired[rules + r]
+        upper = _weight(system, q, most, 1, in_logarithms)
+        if upper > none:
+            if system.programs.size > 0:
+                points[count] = said[r]
+                if not math.isfinite(said[r]):
+                    beyond += said[r]
+                    points[count] = 0.0
+            else:
+                points[count] = _said(system, x, xo, j, r, end)
+            lower = _weight(system, q, least, 0, in_logarithms)
+            low[count], high[count] = min(lower, upper), upper
+            count += 1
+    return count, beyond
+
+
+@scalar
+def reduced_by(way, of_averages, end, points, low, high, in_logarithms, below, above):
     """Return an end of the interval of points that can carry weight, at least one."""
-    way = system.codes[0]
     if way == EXACT:
         return _exact(points, low, high, end == 0, in_logarithms, below, above)
     if way == WU_MENDEL:
@@ -213,7 +263,7 @@ def _reduced(system, end, points, low, high, in_logarithms, below, above):
     by_low, by_high = _mean(points, low, in_logarithms), _mean(points, high, in_logarithms)
     if math.isnan(by_low):
         by_low = by_high
-    return system.of_averages[0] * by_low + system.of_averages[1] * by_high
+    return of_averages[0] * by_low + of_averages[1] * by_high
 
 
 @scalar
@@ -227,10 +277,18 @@ def _sum(points, low, high, end):
 
 
 @scalar
+def _evaluate_formulas(system, j, x, xo, stack, said):
+    """Write what the formulas (R,) of an output say."""
+    for r in range(said.size):
+        q = j * said.size + r
+        said[r] = formula_at(system.programs, system.places[q], system.places[q + 1], x, xo, stack)
+
+
+@scalar
 def average_in(system: Points, x: Array, xo: int, work: Array, out: Array, oo: int) -> None:
     """Write the type-reduced intervals (m, 2) of the finite row at ``xo``, from ``oo`` on.
 
-    ``work`` (``work_size``,) is room for it.
+    ``work`` (``points_room_size``,) is room for it.
     """
     rules, outputs = int(system.table[2]), int(system.table[3])
     grades, fired_low, fired_high, _, _, room, stack = rooms(system.table, work)
@@ -241,18 +299,24 @@ def average_in(system: Points, x: Array, xo: int, work: Array, out: Array, oo: i
         log_fire(system.table, x, xo, 0.0, grades, fired_low, fired_high, stack)
     points, low, high = room[:rules], room[rules : 2 * rules], room[2 * rules : 3 * rules]
     below, above = room[3 * rules : 4 * rules], room[4 * rules : 5 * rules]
+    said = room[5 * rules : 6 * rules]
     for j in range(outputs):
         place = oo + 2 * j
-        out[place] = out[place + 1] = system.defaults[j]
+        out[place] = out[place + 1] = math.nan
+        if system.programs.size > 0:
+            _evaluate_formulas(system, j, x, xo, stack, said)
         for end in range(2):
-            count = _gather(system, x, xo, j, end, fired, in_logarithms, points, low, high)
+            count, beyond = _gather(
+                system, x, xo, j, end, fired, in_logarithms, said, points, low, high
+            )
             if count == 0:
                 continue
             if system.codes[0] == WEIGHTED_SUM:
                 out[place + end] = _sum(points[:count], low[:count], high[:count], end)
             else:
-                out[place + end] = _reduced(
-                    system,
+                out[place + end] = reduced_by(
+                    system.codes[0],
+                    system.of_averages,
                     end,
                     points[:count],
                     low[:count],
@@ -261,6 +325,8 @@ def average_in(system: Points, x: Array, xo: int, work: Array, out: Array, oo: i
                     below,
                     above,
                 )
+            if system.programs.size > 0:
+                out[place + end] += beyond
         if (
             system.codes[0] != EXACT
             and system.codes[0] != WU_MENDEL
@@ -270,6 +336,9 @@ def average_in(system: Points, x: Array, xo: int, work: Array, out: Array, oo: i
             out[place] = out[place + 1] = 0.5 * out[place] + 0.5 * out[place + 1]
         elif out[place] > out[place + 1]:
             out[place], out[place + 1] = out[place + 1], out[place]
+        for end in range(2):
+            if math.isnan(out[place + end]):
+                out[place + end] = system.defaults[j]
 
 
 @compiled
@@ -279,7 +348,7 @@ def averages(system: Points, x: Array, out: Array) -> int:
     Return -1 or the first row not finite.
     """
     inputs, outputs = int(system.table[0]), int(system.table[3])
-    work = np.empty(work_size(system.table))
+    work = np.empty(points_room_size(system))
     for i in range(x.size):
         if not math.isfinite(x[i]):
             return i // inputs

@@ -12,6 +12,10 @@ from fuzzy2.support.compiled import scalar
 
 SAMPLES, PAIR, BELL, SIGMOID, PI_SHAPED, TWO_SIDED, DIFFERENCE, PRODUCT = range(3, 11)
 
+# A Gaussian and a trapezoid whose grades are moved by the row's last number, and kept in [0, 1]:
+# the bounds of an α-plane of a set with Gaussian secondary grades.
+MOVED = 11
+
 
 @scalar
 def _trapezoid(x, a, b, c, d):
@@ -78,15 +82,23 @@ def _two_sigmoids(kind, x, row, o):
 
 
 @scalar
+def _gaussian_or_trapezoid(kind, row, o, x):
+    """Grade of x in a Gaussian, kind 0, or a trapezoid."""
+    if kind == 0:
+        t = (x - row[o + 2]) / row[o + 5]
+        return row[o + 7] * math.exp(-0.5 * t * t)
+    return row[o + 6] * _trapezoid(x, row[o + 2], row[o + 3], row[o + 4], row[o + 5])
+
+
+@scalar
 def grade_of_shape(row, o, x):
     """Grade of x in the type-1 set whose table row starts at o."""
     kind = int(row[o + 1])
+    if kind <= 1:
+        return _gaussian_or_trapezoid(kind, row, o, x)
+    if kind >= MOVED:
+        return min(max(_gaussian_or_trapezoid(kind - MOVED, row, o, x) + row[o + 9], 0.0), 1.0)
     a, b = row[o + 2], row[o + 3]
-    if kind == 0:
-        t = (x - a) / row[o + 5]
-        return row[o + 7] * math.exp(-0.5 * t * t)
-    if kind == 1:
-        return row[o + 6] * _trapezoid(x, a, b, row[o + 4], row[o + 5])
     if kind == SAMPLES:
         return _between(row, int(a), int(b), x)
     if kind == BELL:

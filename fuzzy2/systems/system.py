@@ -88,6 +88,7 @@ from fuzzy2.systems.operators import (
 from fuzzy2.systems.operators import (
     type_reduction as reduction_named,
 )
+from fuzzy2.systems.output_tables import tables_of
 from fuzzy2.systems.outputs import Operators, Outputs, hangs_on_ratios
 from fuzzy2.systems.pictures import html_of
 from fuzzy2.systems.report import Report, found_in
@@ -265,28 +266,21 @@ class FuzzySystem(Shown):
         self._table = self._compiled_table()
         self._fast = self._table is not None and self._is_compiled
         self._outputs = self._prepared_outputs()
-        self._points, self._unions = self._compiled_outputs()
+        self._reducer = self._compiled_outputs()
         # Looked up once: a control loop calls a system a thousand times a second.
         self._kernels = _kernels()
         self._evaluate_row = self._kernels.evaluate_row
 
-    def _compiled_outputs(self) -> tuple[Any, Any]:
-        """Return the points, or the unions, that compiled loops know beside those of the table."""
+    def _compiled_outputs(self) -> Any:
+        """Return what a compiled loop reduces that is more than center of sets, exactly."""
         if self._fast or self._table is None or self._outputs is None:
-            return None, None
-        defaults = self._compiled_defaults()
-        points = self._outputs.points(self._table, defaults)
-        return points, None if points else self._outputs.unions(self._table, defaults)
+            return None
+        return tables_of(self._outputs, self._table, self._compiled_defaults())
 
     @property
-    def averaged_points(self) -> Any:
-        """What :mod:`fuzzy2.systems.output_kernels` takes; None if it cannot."""
-        return self._points
-
-    @property
-    def united_sets(self) -> Any:
-        """What :mod:`fuzzy2.systems.union_rows` takes; None if it cannot."""
-        return self._unions
+    def reducer(self) -> Any:
+        """The tables of :mod:`fuzzy2.systems.output_tables`; None if there are none."""
+        return self._reducer
 
     def _check_reduction(self) -> None:
         kind = self.type_reduction
@@ -560,19 +554,13 @@ class FuzzySystem(Shown):
 
     def _intervals(self, rows: Array) -> Array:
         """Return the type-reduced intervals (n, m, 2) of finite inputs (n, p)."""
-        found = np.empty((len(rows), self.n_outputs, 2))
-        if self._points is not None and not binary_exponent(rows):
-            from fuzzy2.systems.output_kernels import averages
+        if self._reducer is None:
+            return self._or_default(self._reduced(rows))
+        from fuzzy2.systems.compiled_outputs import reduced_by_loop
 
-            averages(self._points, rows.ravel(), found.ravel())
-        elif self._unions is not None:
-            from fuzzy2.systems.union_rows import unions
-
-            refused = np.empty(len(rows), bool)
-            if unions(self._unions, rows.ravel(), found.ravel(), refused):
-                found[refused] = self._or_default(self._reduced(rows[refused]))
-        else:
-            found = self._or_default(self._reduced(rows))
+        found, refused = reduced_by_loop(self._reducer, rows, self.n_outputs)
+        if refused.any():
+            found[refused] = self._or_default(self._reduced(rows[refused]))
         return found
 
     def _or_default(self, reduced: Array) -> Array:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from fuzzy2.reduction.logarithms import DEEPEST, STEP
 from fuzzy2.support.checks import Array
 from fuzzy2.support.compiled import compiled, scalar
+from fuzzy2.systems.crisp_unions import BISECTOR, CENTROID, bisector_of_union, maximum_of_union
 from fuzzy2.systems.firing_kernels import TERM, _fire
 from fuzzy2.systems.kernels import rooms, work_size
 from fuzzy2.systems.log_firing_kernels import log_fire, lost
@@ -48,9 +49,10 @@ class Unions(NamedTuple):
         Number, among those of the output, of the set that a rule fires; -1 where it is silent.
     defaults : (m,) ndarray
         Outputs where no rule fires; NaN for none.
-    codes : (5,) ndarray of int
+    codes : (6,) ndarray of int
         Whether firing and set are multiplied, whether sets are added up, whether nothing but ratios
-        of the firing matters, whether all sets are of type 1, and the way to the centroid.
+        of the firing matters, whether all sets are of type 1, the way to the centroid, and what is
+        asked of the union, a code of :mod:`fuzzy2.systems.crisp_unions`.
     of_averages : (2,) ndarray
         Weights of the lower and the upper centroid in that of Begian, Melek and Mendel.
     gauss : (2 n,) ndarray
@@ -180,6 +182,17 @@ def _directly(system, sums, pieces, origin):
 def _one_union(system, rows, kinks, weights, crisp, nodes, edges, sums, room, out, o):
     """Write the centroid of a union; return whether there was room for its pieces."""
     sets, product, total = weights.size // 2, system.codes[0] == 1, system.codes[1] == 1
+    if system.codes[5] == BISECTOR:
+        out[o] = out[o + 1] = bisector_of_union(
+            rows, weights, sets, product, total, kinks, system.gauss, system.tolerance,
+            nodes, edges, sums, room,
+        )  # fmt: skip
+        return True
+    if system.codes[5] != CENTROID:
+        out[o] = out[o + 1] = maximum_of_union(
+            system.codes[5], rows, weights, sets, product, kinks, nodes
+        )
+        return True
     if system.codes[4] == EXACT:
         return centroid_of_union(
             rows, weights, sets, product, total, crisp, kinks, system.gauss, system.tolerance,

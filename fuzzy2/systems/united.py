@@ -152,6 +152,16 @@ class United:
         numbers = self._number if self._by_set else np.arange(len(self._sets))
         return self._rows, numbers, self._nodes
 
+    @property
+    def sampled(self) -> tuple[Array, Array, NDArray[np.int64]] | None:
+        """Single points (P,), grades of sets there (K, 2, P), set of each rule; None of areas."""
+        if not self.of_points:
+            return None
+        at_own = self._group[:, np.newaxis] == np.arange(len(self._places))
+        grades = np.where(at_own[:, np.newaxis], self._heights[..., np.newaxis], 0.0)
+        numbers = self._number if self._by_set else np.arange(len(self._sets))
+        return self._places, grades, numbers
+
     def _check_range(self, ends: tuple[float, float] | None) -> None:
         for item in self._sets:
             left, right = item.upper.support

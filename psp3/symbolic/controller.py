@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from psp3.errors import InvalidValue
 from psp3.fuzzy_control import kernels
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.symbolic.interpreter import Interpreter
 from psp3.symbolic.memory import piece_of, piece_with, symbols_in
 from psp3.symbolic.numbers import SX, casadi
-from psp3.symbolic.robot import vector
+from psp3.symbolic.robot import SymbolicRobot, vector
+from psp3.three_psp.stepping import ClosedForm
 
 
 def fuzzy_torque(controller: FuzzyComputedTorque) -> Any:
@@ -18,32 +18,31 @@ def fuzzy_torque(controller: FuzzyComputedTorque) -> Any:
 
     Type reduction searches for switch points, and what it finds is a choice among the ends of the
     rules. So the torque is continuous, and its derivatives jump where a switch point goes to
-    another rule, and at the ends of the trained ranges.
+    another rule, and at the ends of the trained ranges. Where the exact dynamics take over there,
+    ``outside="crisp"``, the torque itself jumps.
 
     Parameters
     ----------
     controller : FuzzyComputedTorque
-        A trained one. Its rules and gains are taken as they are now.
+        A trained one. Its rules and gains are taken as they are now, and so are the numbers of the
+        robot whose exact dynamics take over.
 
     Returns
     -------
     casadi.Function
         Of ``positions``, ``speeds``, ``desired_positions``, ``desired_speeds`` and
-        ``desired_accelerations`` (n,), to ``forces`` (n,) of the motors [N or N m].
+        ``desired_accelerations`` (n,), to ``forces`` (n,) of the motors [N or N m]. Where exact
+        dynamics take over, and they are no closed form, also of ``q`` (nq,): the configuration of
+        the robot at the positions, which closes its loops.
 
     Raises
     ------
-    InvalidValue
-        If the exact dynamics take over outside of the trained range.
     NotTrained
         If nothing was learned yet.
     MissingPackage
         If CasADi is not installed: ``pip install 'psp3[symbolic]'``.
     """
     table = controller.controller
-    if controller.outside != "clamp":
-        wanted = "'clamp': the exact dynamics, which close the loops by iteration, cannot take over"
-        raise InvalidValue("outside", controller.outside, wanted)
     n = controller.joints
     inputs = {name: SX.sym(name, n) for name in INPUTS}
     arrays: Any = (piece_of(array) for array in table[5:])
@@ -51,11 +50,23 @@ def fuzzy_torque(controller: FuzzyComputedTorque) -> Any:
     positions, speeds, *wanted_motion = (symbols_in(one) for one in inputs.values())
     desired = piece_with([entry for part in wanted_motion for entry in part.cells])
     out = piece_with([float("nan")] * kernels.step_width(n))
-    Interpreter().call(
-        kernels.fuzzy_torque, known, kernels.NO_MODEL, positions, speeds, desired, NOTHING, out
-    )
+    model, configuration = _exact(controller)
+    Interpreter().call(kernels.fuzzy_torque, known, model, positions, speeds, desired, NOTHING, out)
+    inputs |= configuration
     forces = vector(out.cells[:n])
     return casadi.Function("fuzzy_torque", [*inputs.values()], [forces], [*inputs], ["forces"])
+
+
+def _exact(controller: FuzzyComputedTorque) -> tuple[Any, dict[str, SX]]:
+    """Return what takes over outside of the trained range, and what else it is a function of."""
+    if controller.outside == "clamp":
+        return kernels.NO_MODEL, {}
+    table: Any = controller.robot.compiled_table()
+    if isinstance(table, ClosedForm):
+        arrays: Any = map(piece_of, table)
+        return ClosedForm(*arrays), {}
+    robot = SymbolicRobot(controller.robot)
+    return robot.placed(), {"q": robot.configuration}
 
 
 INPUTS = (

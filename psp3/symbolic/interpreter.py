@@ -148,6 +148,8 @@ class Interpreter:
             return self._call(kernel, arguments)
 
     def _call(self, kernel: Any, arguments: Any) -> Any:
+        if hasattr(kernel, "bodies"):
+            kernel = kernel.bodies[type(arguments[0])]
         known = _read(getattr(kernel, "py_func", kernel))
         scope = _Scope(self, known, dict(zip(known.parameters, arguments, strict=True)))
         signal = self.after(scope.block(known.body), lambda s: Signal("return") if s is NEXT else s)

@@ -17,15 +17,17 @@ else; their derivatives by q, of which those along the loops mean something, con
 from __future__ import annotations
 
 import functools
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from psp3.dynamics.compiled_robot import write_forces
 from psp3.errors import InvalidValue, UnknownName
 from psp3.multibody import motion, tree
-from psp3.multibody.closing import factored
+from psp3.multibody.closing import CLOSED, factored
 from psp3.multibody.constraint import closure_equations
 from psp3.multibody.loops import residual_of
+from psp3.multibody.motion import INVERSE_DYNAMICS, answer_of_pose
 from psp3.multibody.named_frames import frame_number
 from psp3.multibody.placement import place
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
@@ -37,6 +39,29 @@ NOTHING = piece_with([])
 
 WIDTHS = {tree.SCREW: 1, tree.UNBOUNDED: 2, tree.BALL: 4, tree.FREE: 7, tree.PLANAR: 4}
 """Coordinates of each kind of element."""
+
+
+class PlacedRobot(NamedTuple):
+    """A robot at a configuration q that closes its loops, in place of a robot's table in kernels.
+
+    ``tree`` and ``numbers`` are the robot's, ``memory`` is placed at q.
+    """
+
+    tree: Any
+    numbers: Any
+    memory: Any
+
+
+@write_forces.register(PlacedRobot)
+def _write_forces(
+    robot: PlacedRobot, positions: Any, speeds: Any, accelerations: Any, out: Any
+) -> bool:
+    tree, numbers, memory = robot
+    done: int = answer_of_pose(  # type: ignore[no-untyped-call]
+        INVERSE_DYNAMICS, tree, numbers, memory, speeds, accelerations, 0, out, 0
+    )
+    return done == CLOSED
+
 
 DIFFERENTIABLE = (
     "inverse_dynamics",
@@ -115,6 +140,15 @@ class SymbolicRobot:
             self._call(residual_of, memory, group)
             self._call(factored, memory, group)
         return memory.cells
+
+    @property
+    def configuration(self) -> SX:
+        """The symbol q (nq,) of :meth:`placed`."""
+        return self._q
+
+    def placed(self) -> PlacedRobot:
+        """Return the robot at :attr:`configuration`, as kernels take it that ask for its forces."""
+        return PlacedRobot(self._tree, self._numbers, piece_with(self._pose))
 
     def _answer(self, question: int, width: int, second: Piece, third: Piece) -> list[Number]:
         """Return what the kernel answers to a question about the pose at q."""

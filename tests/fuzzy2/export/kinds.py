@@ -8,6 +8,9 @@ from typing import Any
 import numpy as np
 
 import fuzzy2
+from fuzzy2.systems.consequents import Formulas
+from fuzzy2.systems.hedges import Hedge, Scaled, intensify, relax
+from fuzzy2.systems.operators import MAXIMA
 
 RULES = np.array(list(itertools.product(range(3), repeat=2)))
 CENTERS = (-1.0, 0.0, 1.0)
@@ -36,9 +39,13 @@ def of_terms(terms: list[Any], **options: Any) -> Any:
     return fuzzy2.IntervalType2System([terms, terms], RULES, numbers(9, 1), **options)
 
 
-def planes(**options: Any) -> Any:
-    terms = [[fuzzy2.GaussianType2Set(fuzzy2.Gaussian(m, 0.5), 0.01) for m in CENTERS]] * 2
-    return fuzzy2.GeneralType2System(terms, RULES, numbers(9, 2), **options)
+def planes(shape: Any = None, **options: Any) -> Any:
+    principals = [
+        fuzzy2.Gaussian(m, 0.5) if shape is None else shape(m - 1.0, m, m + 1.0) for m in CENTERS
+    ]
+    terms = [[fuzzy2.GaussianType2Set(one, 0.01) for one in principals]] * 2
+    options.setdefault("consequents", numbers(9, 2))
+    return fuzzy2.GeneralType2System(terms, RULES, **options)
 
 
 def slices() -> Any:
@@ -115,6 +122,66 @@ OTHERS = [
     fuzzy2.SigmoidProduct((0.0, 2.0), (5.0, -6.0)),
 ]
 
+TERMS = [[fuzzy2.Gaussian(m, 0.4) for m in CENTERS], [triangle(m) for m in CENTERS]]
+
+
+def united(shape: Any = gaussian, **options: Any) -> Any:
+    """Return a type-1 system whose output sets are united."""
+    return fuzzy2.Type1System(TERMS, RULES, sets(shape), **options)
+
+
+def on_a_grid(shape: Any, **options: Any) -> Any:
+    options.setdefault("type_reduction", "centroid")
+    return interval(consequents=sets(shape), integration="sum", resolution=31, **options)
+
+
+def point(m: float) -> Any:
+    return fuzzy2.Triangular(m, m, m)
+
+
+def own(m: float) -> Any:
+    return fuzzy2.FunctionalSet(lambda x: np.exp(-abs(x - m)), m - 3.0, m + 3.0, [m])
+
+
+def rising(m: float) -> Any:
+    return fuzzy2.Trapezoidal(m - 1.0, m + 1.0, np.inf, np.inf)
+
+
+def sigmoid(m: float) -> Any:
+    return fuzzy2.Sigmoid(m, 3.0 if m > 0.0 else -4.0)
+
+
+def hedged(function: Any, word: str = "oddly") -> Any:
+    terms = {"low": fuzzy2.GaussianUncertainMean((-1.1, -0.9), 0.5), "high": triangle(1.0)}
+    return fuzzy2.IntervalType2System(
+        {"a": terms, "b": terms},
+        f"IF a is {word} low and b is low THEN y is small\n"
+        f"IF a is not {word} high or b is {word} not high THEN y is large",
+        {"y": {"small": -1.0, "large": 1.5}},
+        hedges={word: Hedge(word, function=function)},
+    )
+
+
+def repeated(kind: type = fuzzy2.Type1System, **options: Any) -> Any:
+    """Return a system of which several rules say the same."""
+    terms = TERMS if kind is fuzzy2.Type1System else gaussians()
+    return kind(terms, RULES, np.round(numbers(9, 2)), **options)
+
+
+def of_formulas(kind: Any = fuzzy2.Type1System, texts: Any = None, **options: Any) -> Any:
+    terms = TERMS if kind is fuzzy2.Type1System else gaussians()
+    texts = FORMULAS if texts is None else texts
+    return kind(terms, RULES, Formulas([[text] for text in texts], ["a", "b"]), **options)
+
+
+FORMULAS = [
+    *("sin(a) * exp(-b)", "a^2 + b / 2", "max(a, b) - min(a, 0.5)", "sqrt(abs(a * b))"),
+    *("round(a * 3) % 2 - fmod(b, 0.3)", "atan2(a, b) + tanh(a)", "gt(a, b) or !le(b, 0.2)"),
+    *("floor(a) + ceil(b)", "log1p(abs(a)) + pi"),
+]
+HOLES = ["log(a)", "1 / (a - b)", "sqrt(b)", *FORMULAS[3:]]
+"""Formulas that are no finite number everywhere."""
+
 KINDS: dict[str, Any] = {
     "type-1": type_1,
     "interval": lambda: interval(t_norm="min"),
@@ -123,6 +190,17 @@ KINDS: dict[str, Any] = {
     "planes": planes,
     "corollary": lambda: planes(reduction="gaussian"),
     "planes of their own": slices,
+    "planes, nie-tan": lambda: planes(method="nie_tan"),
+    "planes, wu-mendel": lambda: planes(method="wu_mendel"),
+    "planes, silent": lambda: planes(default_outputs=[0.5, None]),
+    "planes of united outputs": lambda: planes(
+        consequents=sets(triangle),
+        type_reduction="centroid",
+        t_norm="min",
+        integration="sum",
+        resolution=41,
+    ),
+    "planes of triangles": lambda: planes(fuzzy2.Triangular, t_norm="min"),
     "or, not, hedges, weights, silence, defaults": with_or_not_hedges,
     "side by side": side_by_side,
     "clouds": of_clouds,
@@ -140,6 +218,60 @@ KINDS: dict[str, Any] = {
     "mamdani": lambda: type_1(consequents=sets(triangle), type_reduction="centroid", t_norm="min"),
     "mamdani product": lambda: type_1(consequents=sets(gaussian), type_reduction="centroid"),
     "sums": lambda: type_1(consequents=sets(triangle), type_reduction="center_of_sums"),
+    "sum on a grid": lambda: united(
+        type_reduction="centroid", integration="sum", resolution=51, t_norm="min"
+    ),
+    "trapezoids on a grid": lambda: united(
+        triangle,
+        type_reduction="center_of_sums",
+        integration="trapezoidal",
+        resolution=51,
+        default_outputs=[0.5],
+    ),
+    "interval on a grid": lambda: on_a_grid(uncertain, t_norm="min"),
+    "interval on a grid, product, probabilistic": lambda: on_a_grid(pair, t_conorm="probabilistic"),
+    "nie-tan on a grid": lambda: on_a_grid(uncertain, method="nie_tan"),
+    "wu-mendel on a grid": lambda: on_a_grid(uncertain, method="wu_mendel"),
+    "functions of one's own on a grid": lambda: united(
+        own, type_reduction="centroid", integration="sum", resolution=41, t_norm="hamacher"
+    ),
+    "bisector on a grid": lambda: united(
+        type_reduction="bisector", integration="sum", resolution=51, t_norm="min"
+    ),
+    "fuzzylite's bisector": lambda: united(
+        type_reduction="bisector", integration="midpoint", resolution=51, t_norm="min"
+    ),
+    "jFuzzyLogic's mean of maxima": lambda: united(
+        type_reduction="mean_of_maxima", integration="left", resolution=51, t_norm="min"
+    ),
+    "bisector": lambda: united(type_reduction="bisector", t_norm="min"),
+    "bisector of sums": lambda: united(triangle, type_reduction="bisector", t_conorm="sum"),
+    **{
+        kind: lambda kind=kind: united(type_reduction=kind, t_norm="min", default_outputs=[9.0])
+        for kind in MAXIMA
+    },
+    "maxima, product": lambda: united(triangle, type_reduction="middle_of_maxima"),
+    "points": lambda: united(point, type_reduction="centroid", t_norm="min"),
+    "bisector of points": lambda: united(point, type_reduction="bisector"),
+    "tsukamoto": lambda: united(sigmoid, type_reduction="tsukamoto"),
+    "tsukamoto within a range": lambda: united(
+        rising, type_reduction="tsukamoto", t_norm="min", output_ranges=[(-3.0, 2.5)]
+    ),
+    "intensify": lambda: hedged(intensify),
+    "relax": lambda: hedged(relax),
+    "a part's weight": lambda: hedged(Scaled(0.3)),
+    "united average": lambda: repeated(type_reduction="united_average"),
+    "united sum, interval": lambda: repeated(
+        fuzzy2.IntervalType2System, type_reduction="united_sum", t_conorm="sum"
+    ),
+    "united average, interval": lambda: repeated(
+        fuzzy2.IntervalType2System, type_reduction="united_average", t_conorm="probabilistic"
+    ),
+    "formulas": of_formulas,
+    "formulas, interval": lambda: of_formulas(fuzzy2.IntervalType2System),
+    "formulas, sum": lambda: of_formulas(type_reduction="weighted_sum"),
+    "formulas with holes": lambda: of_formulas(texts=HOLES, default_outputs=[4.0]),
+    "intervals, type-1": lambda: type_1(consequents=np.sort(numbers(9, 2, 2))),
     "samples": lambda: of_terms([gaussian(m).sample(np.linspace(-3, 3, 25)) for m in CENTERS]),
     "triangles": lambda: of_terms([pair(m) for m in CENTERS]),
     "other shapes": lambda: of_terms(MIXED, t_norm="min"),
@@ -149,6 +281,18 @@ KINDS: dict[str, Any] = {
     "classifier": lambda: learned(fuzzy2.FuzzyClassifier(1, most_epochs=3)),
 }
 """Systems and learners by what is special about them."""
+
+JUMPING = frozenset(
+    {
+        *MAXIMA,
+        *("bisector on a grid", "fuzzylite's bisector", "jFuzzyLogic's mean of maxima"),
+        *("maxima, product", "bisector of points"),
+        *("formulas", "formulas, interval", "formulas, sum", "formulas with holes"),
+    }
+)
+"""Those whose outputs jump: from one point of a grid, or one of two sets that are equally high, to
+another, or where a formula compares or rounds.
+"""
 
 SLOW: dict[str, Any] = {
     "interval mamdani": lambda: interval(

@@ -103,3 +103,38 @@ def test_tables_are_constants(x, tmp_path):
 def test_what_is_refused(kernel, why, tmp_path):
     with pytest.raises(NotExportable, match=why):
         kernel_in_c(kernel, 4, 1, tmp_path)
+
+
+class Coded(NamedTuple):
+    """Whole numbers and truths."""
+
+    codes: np.ndarray
+    most: int
+
+
+def decoded(coded, x, out):
+    for i in range(coded.codes.size):
+        out[0] += coded.codes[i] * x[0]
+
+
+def coded_in_c(coded, folder):
+    writer = CWriter("coded", "double", ["Codes."])
+    arguments = [Known("coded", coded), Argument("x", "in", 1), Argument("out", "out", 1, "out")]
+    function = writer.add("run", "Run.", decoded, arguments)
+    code = writer.code()
+    return bind(build(code, folder), code, function)
+
+
+def test_truths_are_whole_numbers(tmp_path):
+    out = np.zeros(1)
+    coded_in_c(Coded(np.array([True, False, True]), 1), tmp_path)(np.array([1.5]), out)
+    assert out[0] == 3.0
+
+
+@pytest.mark.parametrize(
+    ("codes", "most", "named"),
+    [([1, -(2**31)], 1, "coded_codes"), ([2**40], 1, "coded_codes"), ([1], 2**31, "coded_most")],
+)
+def test_numbers_of_more_than_31_bits_are_refused_by_name(codes, most, named, tmp_path):
+    with pytest.raises(NotExportable, match=f"{named}.*31 bits"):
+        coded_in_c(Coded(np.array(codes), most), tmp_path)

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import importlib
 import itertools
 import math
-import random
 import re
 
 import numpy as np
@@ -134,47 +132,6 @@ def test_no_brackets_of_other_signs(tmp_path):
         out[0] = x[0] - (x[1] - (x[0] / (x[1] / x[0]))) - (-x[1])
 
     same_as_python(nested, [(2.0, 3.0), (-1.5, 0.25)], 1, tmp_path)
-
-
-def of_chance(rng: random.Random, depth: int) -> str:
-    """Return an expression of x[0], x[1] and whole numbers i and j."""
-    if depth == 0:
-        return rng.choice(["x[0]", "x[1]", "i", "j", "2", "0.5", "-1.5", "0", "1"])
-    one, other = of_chance(rng, depth - 1), of_chance(rng, depth - 1)
-    third = of_chance(rng, depth - 2) if depth > 1 else "x[0]"
-    return rng.choice(
-        [
-            f"({one} + {other})",
-            f"({one} - {other})",
-            f"({one} * {other})",
-            f"(-{one})",
-            f"min({one}, {other})",
-            f"max({one}, {other}, {third})",
-            f"({one} if {third} < {other} else {other})",
-            f"(1.0 if {one} <= {other} else 0.0)",
-            f"(1.0 if {one} > {other} or not {third} >= {one} else {third})",
-            f"abs(0.5 * {one})",
-        ]
-    )
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_expressions_of_chance(seed, tmp_path, monkeypatch):
-    rng = random.Random(seed)
-    lines = [f"    out[{k}] = {of_chance(rng, 4)}" for k in range(60)]
-    text = "\n".join(["def chance(x, out):", "    i, j = int(x[2]), int(x[3])", *lines])
-    name = f"chance_{seed}"
-    (tmp_path / f"{name}.py").write_text(text + "\n")
-    monkeypatch.syspath_prepend(str(tmp_path))
-    kernel = importlib.import_module(name).chance
-    rows = [(a, b, i, j) for a, b in PAIRS[::3] for i, j in ((0, 1), (-3, 2))]
-    run, _ = kernel_in_c(kernel, 4, 60, tmp_path, ("-w",))  # chance compares i with i
-    for row in rows:
-        in_c, right = np.zeros(60), np.zeros(60)
-        run(np.array(row), in_c)
-        kernel(list(row), right)
-        # A number that is whole or real by chance is real in C, whose zero has a sign.
-        np.testing.assert_array_equal(in_c, right)
 
 
 def of_text(x, out):

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import shutil
 import subprocess
+import tempfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
 
 import fuzzy2
 from fuzzy2.errors import InvalidValue, NotExportable, NotFitted, UnknownName
-from fuzzy2.export.systems import system_of
+from fuzzy2.export.calls import FUNCTIONS
+from fuzzy2.export.systems import has_intervals, system_of
 from tests.fuzzy2.export.in_c import COMPILERS, bind, build, needs_gcc
-from tests.fuzzy2.export.kinds import KINDS, SLOW, interval, type_1
+from tests.fuzzy2.export.kinds import JUMPING, KINDS, SLOW, interval, type_1
+from tests.fuzzy2.systems.random_systems import states, systems
 
 pytestmark = pytest.mark.filterwarnings("ignore::fuzzy2.ApproximationWarning")
 
@@ -44,6 +48,64 @@ def test_ten_thousand_inputs_give_the_same_numbers(kind, tmp_path):
     assert (codes == 1).all()
     np.testing.assert_array_equal(outputs, right)
     assert np.isfinite(right).any()
+
+
+@needs_gcc
+@pytest.mark.parametrize("kind", KINDS)
+def test_ends_of_intervals_are_those_of_python(kind, tmp_path):
+    system = system_of(KINDS[kind]())
+    code = fuzzy2.export_c(system, tmp_path)
+    assert has_intervals(system) == (len(code.functions) == 2)
+    if not has_intervals(system):
+        return
+    run = bind(build(code, tmp_path), code, code.functions[1])
+    X, ends = inputs(10_000), np.empty((10_000, len(system.output_names), 2))
+    assert all(run(x, out) == 1 for x, out in zip(X, ends, strict=True))
+    np.testing.assert_array_equal(ends, system.type_reduced(X))
+    left, right = ends[np.isfinite(ends).all(axis=-1)].T
+    assert left.size
+    if getattr(system, "reduction", "") != "gaussian":
+        assert (left <= right).all()
+    assert run(np.array([np.nan, 0.0]), ends[0]) == 0
+    assert np.isnan(ends[0]).all()
+
+
+def test_systems_whose_intervals_are_points_have_no_function_for_them(tmp_path):
+    names = {
+        kind: [function.name for function in fuzzy2.export_c(KINDS[kind](), tmp_path).functions]
+        for kind in ("type-1", "interval", "planes", "nie-tan", "side by side")
+    }
+    assert names["type-1"] == names["nie-tan"] == ["system_evaluate"]
+    assert names["interval"] == names["planes"] == ["system_evaluate", "system_interval"]
+    assert names["side by side"] == names["interval"]
+
+
+@needs_gcc
+@settings(max_examples=30)
+@given(system=systems())
+def test_random_systems_answer_as_in_python(system):
+    """Of any kind: terms, rules, norms, consequents and reductions are drawn."""
+    X = states(system)
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            code = fuzzy2.export_c(system, folder)
+        except NotExportable as error:
+            # Of what is drawn here nothing else: unions that only arrays integrate.
+            assert "without a grid" in error.what  # noqa: PT017
+            return
+        library = build(code, Path(folder), flags=("-O1",))
+        run = bind(library, code, code.functions[0])
+        right, ends = np.asarray(system(X)), system.type_reduced(X)
+        for x, outputs in zip(X, right, strict=True):
+            out = np.empty(len(outputs))
+            if run(x.copy(), out) == 1:
+                np.testing.assert_array_equal(out, outputs)
+        if len(code.functions) > 1:
+            run = bind(library, code, code.functions[1])
+            for x, interval_ends in zip(X, ends, strict=True):
+                out = np.empty(interval_ends.size)
+                if run(x.copy(), out) == 1:
+                    np.testing.assert_array_equal(out, interval_ends.ravel())
 
 
 @needs_gcc
@@ -87,7 +149,11 @@ def test_single_precision_is_near(kind, tmp_path, record_property):
     record_property("error", float(error.max()))
     # Rounding of inputs and of some dozens of sums; of a switch point a few percent more.
     assert np.median(error) < 2e-6
-    assert error.max() < 2e-3
+    if kind in JUMPING:
+        # Rounding of 1e-7 decides in as many states as are that near to a jump, 1e-5 or so of them.
+        assert (error > 2e-3).mean() < 2e-3
+    else:
+        assert error.max() < 2e-3
 
 
 MAIN = """
@@ -143,10 +209,13 @@ def test_nothing_is_taken_from_elsewhere_and_nothing_global_is_written(kind, tmp
     )
     symbols = [line.split()[-2:] for line in listed.stdout.splitlines()]
     mathematics = {"exp", "log", "log1p", "expm1", "sqrt", "pow", "memset", "memcpy"}
+    if "formulas" in kind:
+        mathematics |= FUNCTIONS | {"fmod"}
     assert {name for kind, name in symbols if kind == "U"} <= mathematics
     # T and t are code, r constants; D, B and C would be variables.
     assert {kind for kind, _ in symbols} <= {"T", "t", "r", "U"}
-    assert [name for kind, name in symbols if kind == "T"] == ["system_evaluate"]
+    functions = sorted(function.name for function in code.functions)
+    assert sorted(name for kind, name in symbols if kind == "T") == functions
     assert code.source.count("#include") == 2
 
 
@@ -183,49 +252,6 @@ def test_the_header_says_what_there_is(tmp_path):
     assert fuzzy2.__version__ in header
     assert code.hash in header
     assert code.hash in code.source
-
-
-class Own(fuzzy2.Triangular):
-    """A set of one's own, of which kernels know nothing."""
-
-    def _kernel_row(self) -> None:
-        return None
-
-
-def test_a_set_of_ones_own_is_refused_and_can_be_tabulated(tmp_path):
-    terms = [[Own(-1.0, 0.0, 1.0), fuzzy2.Gaussian(1.0, 0.5)]]
-    system = fuzzy2.Type1System(terms, [[0], [1]], [[1.0], [2.0]])
-    with pytest.raises(NotExportable, match=r"the term 'term1' of 'x1', Own.*sample\(points\)"):
-        fuzzy2.export_c(system, tmp_path)
-    points = np.linspace(-1.0, 1.0, 21)
-    tabulated = system.replace(inputs=[[terms[0][0].sample(points), terms[0][1]]])
-    fuzzy2.export_c(tabulated, tmp_path)
-    x = np.linspace(-1.0, 2.0, 50)[:, np.newaxis]
-    # A triangle is linear between samples: all that differs is rounding.
-    np.testing.assert_allclose(tabulated(x), system(x), rtol=1e-12)
-
-
-REFUSED: dict[str, Any] = {
-    "the t-norm, 'own'": lambda: interval(t_norm=lambda a, b: a * b),
-    "the fuzzifier": lambda: type_1(
-        fuzzifier=fuzzy2.NonSingletonFuzzifier(fuzzy2.Gaussian(0.0, 0.1))
-    ),
-    "type reduction 'bisector'": lambda: type_1(
-        consequents=[[fuzzy2.Gaussian(float(i), 0.5)] for i in range(9)], type_reduction="bisector"
-    ),
-    "integration 'sum'": lambda: type_1(
-        consequents=[[fuzzy2.Gaussian(float(i), 0.5)] for i in range(9)],
-        type_reduction="centroid",
-        integration="sum",
-    ),
-}
-
-
-@pytest.mark.parametrize("what", REFUSED)
-def test_what_has_no_kernel_is_named(what, tmp_path):
-    pattern = what if "own" not in what else "the t-norm, "
-    with pytest.raises(NotExportable, match=pattern):
-        fuzzy2.export_c(REFUSED[what](), tmp_path)
 
 
 def test_what_is_no_system_is_refused():

@@ -26,6 +26,8 @@ WHILE = {
     "center_of_sets": "i counts up to the number of rules in each of them",
     "end_of_interval": "k moves one way, between 1 and one less than the number of points",
     "end_in_logarithms": "k counts up to one less than the number of points",
+    "formula_at": "step counts up to the end of the formula, which the table says",
+    "maximum_of_union": "i counts down to 0",
     "supplement_firing": "step counts up to the end of the rule's steps, which the table says",
     "log_fire_trees": "step counts up to the end of the rule's steps, which the table says",
     "sort": "k counts down to 0",

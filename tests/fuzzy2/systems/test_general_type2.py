@@ -165,3 +165,19 @@ def test_general_systems_refuse_what_has_no_meaning(options: dict[str, object]) 
     } | options
     with pytest.raises(NotApplicable):
         GeneralType2System(**arguments)  # type: ignore[arg-type]
+
+
+def test_united_points_are_the_same_on_all_planes() -> None:
+    """Domains of single points have no width, which no range of an output may have."""
+    points = [[fuzzy2.Triangular(m, m, m)] for m in np.linspace(-1.0, 2.5, 8)]
+    alike = [[fuzzy2.Triangular(0.5, 0.5, 0.5)]] * 8
+    X = np.random.default_rng(3).uniform(-1.0, 1.0, (5, 3))
+    for sets in (points, alike):
+        system = GeneralType2System(gaussian(), GRID_RULES, sets, type_reduction="centroid")
+        centers = [[item.centroid()] for (item,) in sets]
+        # The product leaves points at the height of the firing, as center of sets weighs them.
+        right = GeneralType2System(gaussian(), GRID_RULES, centers, t_conorm="sum")
+        if sets is alike:
+            np.testing.assert_allclose(system(X), np.full((5, 1), 0.5), rtol=1e-14)
+        else:
+            np.testing.assert_allclose(system(X), right(X), rtol=1e-12)

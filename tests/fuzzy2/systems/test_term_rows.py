@@ -43,6 +43,33 @@ def test_grades_of_the_loop_are_those_of_the_set(shape):
     np.testing.assert_allclose(firing, right, rtol=4e-15, atol=1e-300)
 
 
+PRINCIPALS = [
+    fuzzy2.Gaussian(0.2, 0.5),
+    fuzzy2.Gaussian(-0.3, 0.4, 0.7),
+    fuzzy2.Triangular(-1.0, 0.0, 1.5),
+    fuzzy2.Trapezoidal(-np.inf, -np.inf, 0.0, 1.0, 0.9),
+]
+
+
+@pytest.mark.parametrize("alpha", [0.0, 0.01, 0.6, 1.0])
+@pytest.mark.parametrize("sigma", [0.0, 0.05, 0.4])
+@pytest.mark.parametrize("principal", PRINCIPALS, ids=lambda item: type(item).__name__)
+def test_planes_of_gaussian_type_2_sets_are_rows(principal, sigma, alpha):
+    """Bounds are differences of numbers up to 1, of which each may be off by a rounding."""
+    shape = fuzzy2.GaussianType2Set(principal, sigma).alpha_plane(alpha)
+    system = fuzzy2.IntervalType2System([[shape]], [[0]], [[1.0]])
+    assert system.table is not None
+    x = np.concatenate([np.linspace(-3.0, 3.0, 601), [60.0, -1e4]])
+    firing = system.firing(x[:, np.newaxis])[:, 0]
+    right = np.stack([shape.lower(x), shape.upper(x)], axis=-1)
+    np.testing.assert_allclose(firing, right, rtol=0.0, atol=3e-16)
+    if sigma > 0.0 and alpha > 0.0:
+        # By the equation, and not by the set itself.
+        reach = sigma * np.sqrt(-2.0 * np.log(alpha))
+        want = np.clip(principal(x)[:, np.newaxis] + [-reach, reach], 0.0, 1.0)
+        np.testing.assert_allclose(firing, want, rtol=0.0, atol=3e-16)
+
+
 def test_samples_stand_behind_the_table():
     system = fuzzy2.Type1System(
         [[SHAPES[0], fuzzy2.Gaussian(1.0, 0.3)]], [[0], [1]], [[1.0], [2.0]]

@@ -113,7 +113,7 @@ def test_every_option_says_what_it_is_and_in_which_unit() -> None:
         "M": "(m)",
         "S": "(s)",
         "M/S": "(m/s)",
-        "N": "(N)",
+        "N": "(N",
         "X,Y,Z": "(m)",
         "A1,A2,…": "(m, rad)",
         "V1,V2,…": "(m/s, rad/s)",

@@ -11,8 +11,8 @@ import pytest
 
 import psp3
 from fuzzy2.errors import ApproximationWarning
-from psp3.errors import InvalidValue, NotTrained
-from psp3.symbolic import fuzzy_torque
+from psp3.errors import NotTrained
+from psp3.symbolic import SymbolicRobot, fuzzy_torque
 from tests.helpers import Array
 
 ROBOT = psp3.load("psp3")
@@ -111,9 +111,61 @@ def test_another_robot_with_a_coriolis_matrix_from_its_mass_matrix() -> None:
         assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
 
 
-def test_what_cannot_be_expressed_is_refused() -> None:
+def trained_crisp(name: str, kind: str) -> tuple[psp3.FuzzyComputedTorque, Any]:
+    """Return a controller with exact dynamics outside of its trained range, and its motion."""
+    robot = psp3.load(name)
+    path: Any = HELIX if name == "psp3" else psp3.trajectories.Sway(robot=robot)
+    noise = {} if kind == "t1" else {"snr_db": 20.0}
+    made = psp3.FuzzyComputedTorque(kind, robot, rules=8, outside="crisp", **noise)
+    return made.fit(path, duration=2.0, samples=150, rng=np.random.default_rng(1)), path
+
+
+@pytest.mark.parametrize(("name", "kind"), [("psp3", "it2"), ("five_bar", "gt2"), ("delta", "t1")])
+def test_exact_dynamics_take_over_outside_of_the_trained_range(name: str, kind: str) -> None:
+    """Torque to rounding, 1e-13 of the largest, and slopes as of differences of a step of 1e-7.
+
+    Of robots without a closed form the function takes the configuration, which goes along.
+    """
+    made, path = trained_crisp(name, kind)
+    n, function, closed = made.joints, fuzzy_torque(made), name == "psp3"
+    x, wanted_motion = casadi.SX.sym("x", 2 * n), [casadi.SX.sym(f"w{k}", n) for k in range(3)]
+    given = [x, *wanted_motion]
+    if closed:
+        slopes = casadi.jacobian(function(x[:n], x[n:], *wanted_motion), x)
+    else:
+        symbolic = SymbolicRobot(made.robot)
+        q = symbolic.configuration
+        torque = function(x[:n], x[n:], *wanted_motion, q)
+        slopes = casadi.jacobian(torque, x)
+        along = casadi.jacobian(symbolic.configuration_rates(q, x[n:]), x[n:])
+        slopes[:, :n] += casadi.jacobian(torque, q) @ along
+        given.append(q)
+    slope, rng, covered = casadi.Function("slope", given, [slopes]), np.random.default_rng(3), []
+
+    def step(at: Array, wanted: Any) -> Array:
+        return made.torque(0.0, at[:n], at[n:], wanted)
+
+    for k in range(20):
+        wanted = path(rng.uniform(0.0, 2.0))
+        # Far enough from the ends of the range that no difference steps over them.
+        positions = wanted.positions + rng.normal(0.0, 1e-4 if k % 2 else 0.005, n)
+        speeds = wanted.speeds + rng.normal(0.0, 1e-3, n)
+        state = np.concatenate([positions, speeds])
+        expected = step(state, wanted)
+        covered.append(made.covered)
+        extra = () if closed else (made.robot.configuration(positions),)
+        found = function(positions, speeds, *wanted[:3], *extra).full().ravel()
+        assert np.abs(found - expected).max() <= 1e-13 * np.abs(expected).max()
+        columns = [
+            (step(state + e, wanted) - step(state - e, wanted)) / 2e-7 for e in 1e-7 * np.eye(2 * n)
+        ]
+        differences = np.stack(columns, axis=-1)
+        found = slope(state, *wanted[:3], *extra).full()
+        assert np.abs(found - differences).max() <= 1e-6 * np.abs(differences).max()
+    assert any(covered)
+    assert not all(covered)
+
+
+def test_what_was_not_trained_is_refused() -> None:
     with pytest.raises(NotTrained):
         fuzzy_torque(psp3.FuzzyComputedTorque("t1", ROBOT))
-    crisp = psp3.FuzzyComputedTorque("t1", ROBOT, outside="crisp").fit(HELIX)
-    with pytest.raises(InvalidValue, match="'clamp'"):
-        fuzzy_torque(crisp)
