@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue
-from fuzzy2.learning.samples import check_scale
+from fuzzy2.learning.samples import LEAST_RANGE, check_scale
 from fuzzy2.learning.tunable_system import TunableSystem
 from fuzzy2.support.checks import (
     Array,
@@ -184,11 +184,10 @@ def _samples(system: FuzzySystem, X: ArrayLike, y: ArrayLike) -> tuple[Array, Ar
         raise InvalidValue("X", inputs, f"finite and of shape (N, {len(system.inputs)})")
     if outputs.shape != (len(inputs), system.n_outputs) or not np.isfinite(outputs).all():
         raise InvalidValue("y", outputs, f"finite and of shape ({len(inputs)}, {system.n_outputs})")
-    for name, table in (("X", inputs), ("y", outputs)):
-        check_scale(name, table)
+    check_scale("y", outputs)
     return inputs, outputs
 
 
 def _scales(widths: Array) -> Array:
-    """Return widths, and 1 for those that are zero."""
-    return np.where(widths > 0.0, widths, 1.0)
+    """Return widths, and 1 for those that are zero, or too small to be divided by."""
+    return np.where(widths > LEAST_RANGE, widths, 1.0)

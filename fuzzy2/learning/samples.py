@@ -96,8 +96,6 @@ def ranges_of(what: str, names: Sequence[str], columns: Array) -> list[tuple[flo
 
 def table_of_samples(name: str, values: Any) -> Array:
     """Return samples as a table of finite floats, or say what is wrong with them."""
-    if hasattr(values, "toarray") and hasattr(values, "nnz"):
-        raise NotNumbers(name, "it is a sparse matrix; pass a dense array, such as its toarray()")
     table = np.ascontiguousarray(_numbers(name, values))
     if table.ndim != 2:
         raise InvalidValue(
@@ -122,6 +120,8 @@ def table_of_samples(name: str, values: Any) -> Array:
 
 def _numbers(name: str, values: Any) -> Array:
     """Return values as floats, with an error in the words that scikit-learn looks for."""
+    if hasattr(values, "toarray") and hasattr(values, "nnz"):
+        raise NotNumbers(name, "it is a sparse matrix; pass a dense array, such as its toarray()")
     if isinstance(values, np.ma.MaskedArray):
         raise InvalidValue(name, values, "numbers without a mask, such as values.filled(0.0)")
     try:
