@@ -110,7 +110,7 @@ def test_every_option_says_what_it_is_and_in_which_unit() -> None:
     Neither may lose a unit.
     """
     units = {
-        "M": "(m)",
+        "M": "(m",
         "S": "(s)",
         "M/S": "(m/s)",
         "N": "(N",
