@@ -1,20 +1,61 @@
 """Everything this package raises on purpose.
 
-Each error carries the values it is about and says what to do.
+Each error carries the values it is about and says what to do. Messages hold names that files of
+others bring: :func:`printable` is what can be shown of any text.
 """
 
 from __future__ import annotations
 
+import errno
+import re
 from collections.abc import Sequence
 from typing import Any, Self
 
 import numpy as np
 
+_UNSEEN = re.compile(
+    # Controls but newline and tab: escape sequences, bell, carriage return.
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f"
+    # What turns the direction of writing, joins nothing, or ends a line for some readers only. The
+    # joiners U+200C and U+200D stay: Persian and emoji are written with them.
+    "\u00ad\u061c\u180e\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb"
+    # Halves of characters, which file names that are not UTF-8 have; tags.
+    "\ud800-\udfff\U000e0000-\U000e007f]"
+)
+
+
+def printable(text: str) -> str:
+    r"""Return a text in which every character that is obeyed or unseen is written as its number.
+
+    Names come from files of others. On a terminal an escape sequence in one could clear the
+    screen or write another text, and a mark of direction turns what stands around it.
+
+    Parameters
+    ----------
+    text : str
+        Any text. Its lines and tabs stay.
+
+    Returns
+    -------
+    str
+        The text, with ``\x1b``, ``\u202e`` or ``\U000e0041`` in the place of such characters.
+    """
+    return _UNSEEN.sub(lambda found: _number_of(found[0]), text)
+
+
+def _number_of(character: str) -> str:
+    code = ord(character)
+    width, mark = next(
+        (width, mark) for width, mark in ((2, "x"), (4, "u"), (8, "U")) if code < 16**width
+    )
+    return f"\\{mark}{code:0{width}x}"
+
 
 class RaisedOnPurpose(BaseException):
     """Base of the errors and warnings of this package, and of those that build on it.
 
-    They can be pickled, so they cross process boundaries whole.
+    They can be pickled, so they cross process boundaries whole. Their messages hold names of
+    others, and so nothing that a terminal obeys, see :func:`printable`.
     """
 
     _arguments: tuple[Any, ...]
@@ -27,6 +68,9 @@ class RaisedOnPurpose(BaseException):
 
     def __reduce__(self) -> tuple[type[RaisedOnPurpose], tuple[Any, ...]]:
         return type(self), self._arguments
+
+    def __str__(self) -> str:
+        return printable(super().__str__())
 
 
 def in_words(value: object) -> str:
@@ -99,6 +143,36 @@ class MalformedFile(Fuzzy2Error, ValueError):
     def __init__(self, source: str, place: str, reason: str) -> None:
         self.source, self.place, self.reason = source, place, reason
         super().__init__(f"{source}, {place}: {reason}")
+
+
+class FileNotWritten(Fuzzy2Error, OSError):
+    """A file cannot be written.
+
+    An ``OSError``, with its ``errno``, ``strerror`` and ``filename``.
+    """
+
+    def __init__(self, number: int, reason: str, path: str) -> None:
+        self.errno, self.strerror, self.filename = number, reason, path
+
+    def __str__(self) -> str:
+        remedy = _REMEDIES.get(self.errno or 0, "give another place")
+        return f"{self.filename}: {self.strerror}; {remedy}"
+
+
+_FREE_SPACE = "free space on its disk, or give another place"
+_ALLOWED = "allow writing to it and its folder, or give another place"
+_REMEDIES = {
+    errno.ENOSPC: _FREE_SPACE,
+    errno.EDQUOT: _FREE_SPACE,
+    errno.EFBIG: "raise the largest size of a file (ulimit -f), or give another place",
+    errno.EACCES: _ALLOWED,
+    errno.EPERM: _ALLOWED,
+    errno.EROFS: "its file system is read-only, give another place",
+    errno.ENOENT: "make the folder first",
+    errno.ENOTDIR: "a part of the path is a file and no folder, give another one",
+    errno.EISDIR: "it is a folder, give the name of a file in it",
+    errno.ENAMETOOLONG: "give a shorter name",
+}
 
 
 class NotExpressible(Fuzzy2Error, ValueError):
@@ -266,3 +340,15 @@ class FeatureNamesWarning(RaisedOnPurpose, UserWarning):
             super().__init__(
                 f"X has feature names, but {estimator} was fitted without feature names"
             )
+
+
+class CodeNotKept(RaisedOnPurpose, UserWarning):
+    """Compiled code that should be on the disk is not there, or not as it was written."""
+
+    def __init__(self, folder: str, why: str) -> None:
+        self.folder, self.why = folder, why
+        super().__init__(
+            f"code is compiled anew, which takes a while: {why}: {folder}; if that is said again "
+            "and again, delete that folder, make room on its disk, or name another one in "
+            "NUMBA_CACHE_DIR"
+        )

@@ -273,6 +273,25 @@ def checked_random(rng: object) -> None:
     checked_kind("rng", rng, (np.random.Generator, type(None)), wanted)
 
 
+MOST_STEPS = 10_000
+"""Integration steps in a control period at most: a compiled period hears no Ctrl-C, and so many
+take half a second of a robot with many loops.
+"""
+
+
+def checked_steps(value: object) -> int:
+    """Return a number of integration steps in a control period.
+
+    Raise :class:`InvalidValue` if it is none, or more than :data:`MOST_STEPS`.
+    """
+    steps = checked_count("steps", value)
+    if steps > MOST_STEPS:
+        raise InvalidValue(
+            "steps", value, f"at most {MOST_STEPS:,} in a period; shorten the period instead"
+        )
+    return steps
+
+
 def one_or_each(name: str, values: ArrayLike, joints: int) -> Array:
     """Return one number, or one for each joint, as (n,)."""
     array = as_floats(name, values, f"() or ({joints},)")

@@ -51,7 +51,7 @@ def open_scene(
         browser.get("about:blank")
         browser.execute_script(
             "document.open(); document.write(arguments[0]); document.close(); window.fed = true",
-            page(""),
+            page("[]"),
         )
     browser.execute_script(
         """viewer.delete_path(["meshcat", "robots"]);

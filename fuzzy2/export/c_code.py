@@ -20,7 +20,7 @@ from fuzzy2.export.c_text import RESERVED, comment
 from fuzzy2.export.numbers import Precision
 from fuzzy2.export.translator import Program
 from fuzzy2.export.values import BOOL, INT, NOTHING, REAL, Record, Row, Scalar, Value
-from fuzzy2.support.text_files import write_text
+from fuzzy2.support.text_files import made_folder, write_text
 from fuzzy2.support.version import __version__
 
 
@@ -184,8 +184,7 @@ class CCode:
 
     def write(self, folder: str | Path) -> tuple[Path, Path]:
         """Write ``name.h`` and ``name.c`` into a folder, and return their paths."""
-        where = Path(folder)
-        where.mkdir(parents=True, exist_ok=True)
+        where = made_folder(folder)
         paths = where / f"{self.name}.h", where / f"{self.name}.c"
         for path, text in zip(paths, (self.header, self.source), strict=True):
             write_text(text, path)

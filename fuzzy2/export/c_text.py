@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 
+from fuzzy2.errors import printable
+
 WORD = r"[A-Za-z_]\w*"
 RESERVED = frozenset(
     {
@@ -91,5 +93,9 @@ def otherwise(lines: list[str], space: str) -> list[str]:
 
 
 def comment(text: str) -> str:
-    """Return a text that a comment can hold."""
-    return text.replace("``", "").replace("*/", "* /").replace("/*", "/ *")
+    """Return a text that a comment can hold: nothing in a name ends it.
+
+    Not even across lines, which a backslash joins, nor as a trigraph, which stands for one.
+    """
+    shown = printable(text).replace("``", "").replace("??/", "? ?/")
+    return re.sub(r"\\(?=\s*(\n|$))", "|", shown).replace("*/", "* /").replace("/*", "/ *")

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from fuzzy2.errors import FileInTheWay
-from fuzzy2.support.text_files import read_text, write_text
+from fuzzy2.support.text_files import made_folder, read_text, write_text
 
 LIST = "files.sha256"
 """The list; ``sha256sum -c files.sha256`` tells which files are not as they were exported."""
@@ -40,7 +40,7 @@ def replace_files(texts: Mapping[str, str], folder: Path) -> list[Path]:
         path = folder / name
         if path.exists() and name not in former and not _is(path, _hash(text.encode())):
             raise FileInTheWay(str(path))
-    folder.mkdir(parents=True, exist_ok=True)
+    made_folder(folder)
     for name, text in texts.items():
         write_text(text, folder / name)
     for name in former - set(texts):

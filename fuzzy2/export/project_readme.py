@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fuzzy2.errors import printable
 from fuzzy2.export.c_code import Argument, CCode
 from fuzzy2.export.project_calls import Call, calls_of, short_name, size_of
 from fuzzy2.export.project_cases import CASES, TOLERANCES
@@ -53,13 +54,18 @@ def _row(code: CCode, call: Call) -> str:
     written = [f"returns {call.function.result}"] if call.function.result else []
     written += [_said(argument) for argument in call.written]
     read = [_said(argument) for argument in call.read]
-    name = f"`{short_name(code, call.function)}`: {call.function.does}"
+    name = f"`{short_name(code, call.function)}`: {_in_cell(call.function.does)}"
     return f"| {name} | {'<br>'.join(read)} | {'<br>'.join(written)} |".replace("\n", " ")
 
 
 def _said(argument: Argument) -> str:
     count = "" if argument.size is None else f"[{argument.size}]"
-    return f"`{argument.name}{count}`: {argument.about}"
+    return f"`{argument.name}{count}`: {_in_cell(argument.about)}"
+
+
+def _in_cell(text: str) -> str:
+    """Return a text as a cell of Markdown shows it: names of others neither end it nor are HTML."""
+    return printable(text).replace("&", "&amp;").replace("<", "&lt;").replace("|", "\\|")
 
 
 def _use(code: CCode, call: Call) -> str:

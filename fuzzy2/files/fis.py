@@ -170,7 +170,7 @@ def write_fis(system: AnySystem, path: str | os.PathLike[str], dialect: str = "m
     ------
     NotExpressible
         If the format has no way to write the system.
-    OSError
+    FileNotWritten
         If the file cannot be written; what was there before remains.
     """
     target = Path(path)

@@ -117,7 +117,7 @@ def write_fll(system: AnySystem, path: str | os.PathLike[str]) -> None:
     ------
     NotExpressible
         If the format has no way to write the system.
-    OSError
+    FileNotWritten
         If the file cannot be written; what was there before remains.
     """
     write_text(format_fll(system, Path(path).stem), path)

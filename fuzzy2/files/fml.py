@@ -144,7 +144,7 @@ def write_fml(system: AnySystem, path: str | os.PathLike[str]) -> None:
     ------
     NotExpressible
         If FML has no way to write the system.
-    OSError
+    FileNotWritten
         If the file cannot be written; what was there before remains.
     """
     write_text(format_fml(system, Path(path).stem), path)

@@ -117,7 +117,7 @@ def save(thing: Any, path: str | os.PathLike[str], **options: Any) -> None:
         If the suffix is of no format.
     NotExpressible
         If the format has no way to write it.
-    OSError
+    FileNotWritten
         If the file cannot be written; what was there before remains.
     """
     suffix = Path(named_path(path)).suffix

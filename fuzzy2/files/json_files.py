@@ -444,7 +444,7 @@ def save(thing: object, path: str | os.PathLike[str]) -> None:
     ------
     NotExpressible
         If it cannot be written as JSON; see :func:`to_json`.
-    OSError
+    FileNotWritten
         If the file cannot be written; what was there before remains.
     """
     write_text(

@@ -39,6 +39,7 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.support.checks import Array, of_kind, positive, real, reals
+from fuzzy2.support.pieces import pieces
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 
 
@@ -159,22 +160,23 @@ class AdaptiveConsequents:
                 f"of shape {(*shape, self._given.n_outputs)}, one row for each of X",
             )
         errors = np.empty_like(outputs)
-        adaptation_kernels.learn(
-            self._table,
-            inputs,
-            outputs,
-            self._trained,
-            self._lower,
-            self._upper,
-            self._prior,
-            self.forgetting,
-            self._information,
-            self._right,
-            self._moved,
-            self._consequents,
-            self._orders,
-            errors,
-        )
+        for part in pieces(len(inputs)):
+            adaptation_kernels.learn(
+                self._table,
+                inputs[part],
+                outputs[part],
+                self._trained,
+                self._lower,
+                self._upper,
+                self._prior,
+                self.forgetting,
+                self._information,
+                self._right,
+                self._moved,
+                self._consequents,
+                self._orders,
+                errors[part],
+            )
         return errors.reshape(*shape, -1)
 
     def __call__(self, X: ArrayLike) -> Array:
@@ -191,9 +193,9 @@ class AdaptiveConsequents:
 
         inputs, shape = self._rows("X", X, len(self._given.inputs))
         out = np.empty((len(inputs), self._given.n_outputs))
-        adaptation_kernels.evaluate(
-            self._table, inputs, self._consequents, self._orders.copy(), out
-        )
+        table, consequents, orders = self._table, self._consequents, self._orders.copy()
+        for part in pieces(len(inputs)):
+            adaptation_kernels.evaluate(table, inputs[part], consequents, orders, out[part])
         return out.reshape(*shape, -1)
 
     @property

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import inspect
 import sys
 import warnings
@@ -20,9 +19,11 @@ from fuzzy2.learning.samples import (
     weights_of,
 )
 from fuzzy2.support.checks import Array, binary_exponent, reals
+from fuzzy2.support.markup import Markup, element, joined
 from fuzzy2.support.shown import Shown
 from fuzzy2.systems.explanation import Explanation
 from fuzzy2.systems.general_type2 import GeneralType2System
+from fuzzy2.systems.pictures import titled
 from fuzzy2.systems.system import FuzzySystem
 
 
@@ -140,11 +141,10 @@ class Estimator(Shown):
             raise InvalidValue("x", rows.shape, "one input")
         return system.explain(rows[0])
 
-    def _repr_html_(self) -> str:
-        shown = f"<p><code>{html.escape(repr(self))}</code></p>"
-        if not hasattr(self, "system_"):
-            return f"{shown}<p>not fitted yet</p>"
-        return shown + self.system_._repr_html_()
+    def _repr_html_(self) -> Markup:
+        fitted = hasattr(self, "system_")
+        shown = self.system_._repr_html_() if fitted else element("p", "not fitted yet")
+        return joined([titled(self), shown])
 
     def _inputs(self, X: ArrayLike) -> Array:
         names, known = column_names(X), getattr(self, "feature_names_in_", None)

@@ -23,6 +23,7 @@ from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.sets.interval_type2 import GaussianUncertainMean, GaussianUncertainSigma
 from fuzzy2.sets.shapes import Gaussian
 from fuzzy2.support.checks import Array
+from fuzzy2.support.pieces import pieces
 from fuzzy2.systems.consequents import Linear
 from fuzzy2.systems.fuzzifiers import Fuzzifier, SingletonFuzzifier
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
@@ -203,13 +204,17 @@ class TunableSystem:
         if not (np.isfinite(parameters).all() and np.isfinite(sigmas).all() and (sigmas > 0).all()):
             raise InvalidValue("parameters", parameters, "those of terms that there can be")
         in_units = np.ascontiguousarray(y / self._output_scales)
-        total, silent = add_squares(
-            self._layout(), parameters, np.ascontiguousarray(X), in_units, slopes, gradient
-        )
-        if silent >= 0:
-            raise InvalidValue(
-                f"X[{silent}]", X[silent], "where some rule fires, for the system to have an output"
+        inputs, total = np.ascontiguousarray(X), 0.0
+        for part in pieces(len(X)):
+            samples = inputs[part], in_units[part]
+            total, silent = add_squares(
+                self._layout(), parameters, *samples, slopes, gradient, total
             )
+            if silent >= 0:
+                row = part.start + silent
+                raise InvalidValue(
+                    f"X[{row}]", X[row], "where some rule fires, for the system to have an output"
+                )
         if not np.isfinite(total):
             raise InvalidValue("the squared error", total, "a number; the parameters are too large")
         return float(total / y.size)

@@ -265,9 +265,15 @@ def _add_consequents(layout, scaled, outputs, j, by_z, gradient):
 
 @compiled
 def add_squares(
-    layout: Layout, parameters: Array, X: Array, y: Array, slopes: bool, gradient: Array
+    layout: Layout,
+    parameters: Array,
+    X: Array,
+    y: Array,
+    slopes: bool,
+    gradient: Array,
+    total: float,
 ) -> tuple[float, int]:
-    """Return the sum of squared errors over samples, and -1 or the first at which no rule fires.
+    """Add up squared errors over samples; return also -1, or the first at which no rule fires.
 
     Parameters
     ----------
@@ -283,6 +289,8 @@ def add_squares(
         Whether to add the derivatives of the sum to ``gradient``.
     gradient : (P,) ndarray
         Is added to.
+    total : float
+        Sum over the samples before.
     """
     terms, (rules, inputs), outputs = layout.owners.size, layout.rules.shape, y.shape[1]
     distances, logs, grades = np.empty(2 * terms), np.empty(2 * terms), np.empty(2 * terms)
@@ -290,7 +298,6 @@ def add_squares(
     firing, z = np.empty(2 * rules), np.empty(2 * rules)
     by_log, by_z = np.empty(2 * rules), np.empty(2 * rules)
     scaled = np.ones(inputs + 1)
-    total = 0.0
     for n in range(X.shape[0]):
         x = X[n]
         for i in range(inputs):

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from fuzzy2.errors import InvalidValue
+from fuzzy2.plots.names import literal
 from fuzzy2.plots.panels import Panels, cycle_colors, given_panels, muted, new_panels
 from fuzzy2.plots.sets import domain_of, points_of
 from fuzzy2.support.checks import Array, of_kind
@@ -76,7 +77,7 @@ def figure_of_inference(
     for i, panel in enumerate(grid[-1, :-1]):
         _hide(panel)
         value = f"{system.input_names[i]} = {explanation.x[i]:.5g}"
-        panel.text(0.5, 0.5, value, ha="center", va="center", transform=panel.transAxes)
+        panel.text(0.5, 0.5, literal(value), ha="center", va="center", transform=panel.transAxes)
     shown.draw_result(grid[-1, -1])
     for panel in grid[:-1].flat:
         panel.tick_params(labelbottom=False)
@@ -142,7 +143,7 @@ class _Shown:
         panel.axvline(x, color=self.colors[1], linewidth=1.0)
         names = (self.explanation.system.term_names[i][int(term)] for term in dict.fromkeys(terms))
         panel.set_title(
-            _plain(f"{self.explanation.system.input_names[i]}: {', '.join(names)}"), loc="center"
+            literal(f"{self.explanation.system.input_names[i]}: {', '.join(names)}"), loc="center"
         )
         panel.set(xlim=domain, ylim=(0.0, 1.05), yticks=())
         panel.title.set_fontsize("x-small")
@@ -218,7 +219,7 @@ class _Shown:
             panel.axvline(crisp, color=self.colors[1], label="output")
         name = self.explanation.system.output_names[self.output]
         said = "no rule fires" if np.isnan(crisp) else f"{crisp:.5g}"
-        panel.set_xlabel(_plain(f"{name} = {said}"))
+        panel.set_xlabel(literal(f"{name} = {said}"))
         panel.set(xlim=self.range, ylim=(0.0, top), yticks=())
 
     @staticmethod
@@ -234,8 +235,3 @@ def _hide(panel: Axes) -> None:
     for spine in panel.spines.values():
         spine.set_visible(False)
     panel.patch.set_visible(False)
-
-
-def _plain(text: str) -> str:
-    """Return a text in which nothing is taken for mathematics."""
-    return text.replace("$", r"\$")

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue
 from fuzzy2.operations.set_operations import FuzzySet
+from fuzzy2.plots.names import literal
 from fuzzy2.plots.panels import (
     Panels,
     cycle_colors,
@@ -201,7 +202,8 @@ def figure_of_sets(
     domain, colors = domain_of(list(named.values())), cycle_colors()
     for n, (name, fuzzy_set) in enumerate(named.items()):
         color = colors[n % len(colors)]
-        draw_set(panel, fuzzy_set, domain, color, name)
+        label = None if name is None else literal(str(name))
+        draw_set(panel, fuzzy_set, domain, color, label)
     label_memberships(panel, domain)
     if isinstance(sets, Mapping):
         panel.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=min(len(named), 4))

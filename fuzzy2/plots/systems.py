@@ -11,6 +11,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue
+from fuzzy2.plots.names import literal
 from fuzzy2.plots.panels import (
     Panels,
     cycle_colors,
@@ -81,8 +82,8 @@ def figure_of_response(
     panel.plot(grid[0], crisp, color=color, label="output")
     panel.set(
         xlim=(grid[0][0], grid[0][-1]),
-        xlabel=system.input_names[varied],
-        ylabel=system.output_names[output],
+        xlabel=literal(system.input_names[varied]),
+        ylabel=literal(system.output_names[output]),
     )
     panel.legend(loc="best")
     return (panel,)
@@ -160,8 +161,9 @@ def figure_of_rule_surface(
                 linewidth=0.7,
                 label=name,
             )
-    panel.set(xlabel=system.input_names[varied[0]], ylabel=system.input_names[varied[1]])
-    panel.set_zlabel(system.output_names[output])
+    floor = (literal(system.input_names[i]) for i in varied)
+    panel.set(**dict(zip(("xlabel", "ylabel"), floor, strict=True)))
+    panel.set_zlabel(literal(system.output_names[output]))
     if bounds is not None:
         panel.legend(loc="upper left")
     return (panel,)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue
 from fuzzy2.numbers.affine import GaussianNumber, IntervalNumber
+from fuzzy2.plots.names import literal
 from fuzzy2.plots.panels import (
     Panels,
     cycle_colors,
@@ -61,13 +62,14 @@ def figure_of_type_reduced(
     ends = []
     for n, (name, one) in enumerate(named.items()):
         color = colors[n % len(colors)]
+        label = None if name is None else literal(str(name))
         points, grades, crisp = _curve(one)
         if isinstance(one, TypeReducedPoints | SampledSet):
-            panel.vlines(points, 0.0, grades, color=color, linewidth=1.2, label=name or "")
+            panel.vlines(points, 0.0, grades, color=color, linewidth=1.2, label=label or "")
             panel.plot(points, grades, linestyle="none", marker="o", markersize=3.0, color=color)
         else:
             panel.fill_between(points, grades, color=color, alpha=0.2, linewidth=0.0)
-            panel.plot(points, grades, color=color, label=name)
+            panel.plot(points, grades, color=color, label=label)
         panel.axvline(crisp, color=color, linestyle=(0, (4, 3)), linewidth=1.0)
         ends += [points[0], points[-1]]
     margin = 0.08 * (max(ends) - min(ends)) or 1.0

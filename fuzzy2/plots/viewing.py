@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 
 from fuzzy2.errors import InvalidValue
 from fuzzy2.plots.inference import figure_of_inference
+from fuzzy2.plots.names import literal
 from fuzzy2.plots.panels import Panels, given_panels, new_panels
 from fuzzy2.plots.sets import figure_of_sets
 from fuzzy2.sets.general_type2 import GeneralType2Set
@@ -74,7 +75,7 @@ def _terms(system: FuzzySystem, axes: Sequence[Axes] | Axes | None) -> Panels:
     panels = given_panels(axes, len(named)) or new_panels(6.0, 2.2 * len(named), len(named))
     for panel, (name, sets) in zip(panels, named, strict=True):
         figure_of_sets(sets, panel)
-        panel.set_xlabel(name)
+        panel.set_xlabel(literal(name))
     return panels
 
 
@@ -88,7 +89,7 @@ def _clouds(system: AnYaSystem, axes: Sequence[Axes] | Axes | None) -> Panels:
         panel.plot(points, densities)
         panel.plot(cloud, np.zeros(cloud.size), "|", clip_on=False)
         panel.set_ylim(0.0, 1.0)
-        panel.set_xlabel(name)
+        panel.set_xlabel(literal(name))
     return panels
 
 

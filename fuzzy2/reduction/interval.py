@@ -28,6 +28,7 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue
 from fuzzy2.support.checks import Array, binary_exponent, known_name, real, reals
+from fuzzy2.support.pieces import pieces
 
 METHODS = ("km", "ekm", "iasc", "eiasc", "scan")
 """Names of the exact methods, see :func:`generalized_centroid`."""
@@ -177,13 +178,12 @@ def generalized_centroid(z: ArrayLike, w: ArrayLike, method: str = "eiasc") -> A
     order = np.argsort(flat_points, axis=-2, kind="stable")
     in_order = np.ascontiguousarray(np.take_along_axis(flat_points, order, axis=-2))
     out = np.empty((flat_weights.shape[0], 2))
-    reduction_kernels.reduce_rows(
-        in_order.reshape(-1, count, 2),
-        np.ascontiguousarray(order.reshape(-1, count, 2)),
-        flat_weights,
-        code,
-        out,
-    )
+    in_order = in_order.reshape(-1, count, 2)
+    order = np.ascontiguousarray(order.reshape(-1, count, 2))
+    for part in pieces(len(out)):
+        own = slice(None) if shared else part
+        given = in_order[own], order[own], flat_weights[part]
+        reduction_kernels.reduce_rows(*given, code, out[part])
     return np.ldexp(out, scale).reshape(*shape, 2) if scale else out.reshape(*shape, 2)
 
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from fuzzy2.support.checks import Array, binary_exponent
+from fuzzy2.support.pieces import pieces
 
 STEP = 40.0
 """Gap between logarithms beyond which the smaller weight is less than rounding of the greater."""
@@ -36,12 +37,12 @@ def centroid_in_logarithms(points: Array, logarithms: Array) -> Array:
     in_order = np.take_along_axis(scaled, order, axis=-2)
     count = logarithms.shape[-2]
     out = np.empty((len(logarithms), 2))
-    kernels.reduce_rows_in_logarithms(
-        np.ascontiguousarray(in_order.reshape(-1, count, 2)),
-        np.ascontiguousarray(order.reshape(-1, count, 2)),
-        np.ascontiguousarray(logarithms),
-        out,
-    )
+    in_order = np.ascontiguousarray(in_order.reshape(-1, count, 2))
+    order = np.ascontiguousarray(order.reshape(-1, count, 2))
+    weights = np.ascontiguousarray(logarithms)
+    for part in pieces(len(out)):
+        own = slice(None) if points.ndim == 2 else part
+        kernels.reduce_rows_in_logarithms(in_order[own], order[own], weights[part], out[part])
     return np.ldexp(out, scale) if scale else out
 
 

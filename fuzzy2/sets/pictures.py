@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from fuzzy2.support.checks import Array
+from fuzzy2.support.markup import Markup
 from fuzzy2.support.quadrature import merged
 from fuzzy2.support.shown import Curve, Shown, captioned, small_picture
 
@@ -20,7 +21,7 @@ LOWEST_PLANE = 0.01
 """The α-plane that stands for a general type-2 set."""
 
 
-def picture_of_sets(sets: Sequence[Any], name: str) -> str:
+def picture_of_sets(sets: Sequence[Any], name: str) -> Markup:
     """Return the membership functions of sets as SVG.
 
     Of a type-2 set the footprint of uncertainty, of a general one that of its α-plane at 0.01.
@@ -38,7 +39,7 @@ def picture_of_sets(sets: Sequence[Any], name: str) -> str:
 class ShownSet(Shown):
     """A set, which shows its membership in notebooks."""
 
-    def _repr_html_(self) -> str:
+    def _repr_html_(self) -> Markup:
         text = repr(self)
         return captioned(picture_of_sets([self], text), text)
 

@@ -1,4 +1,4 @@
-"""Files of machine code that several processes may write at the same time.
+"""Files of machine code that several processes may write at the same time, and a disk may damage.
 
 Numba numbers the files of a function's code, one for each types of arguments, and looks in an index
 for the next free number. Two processes that compile one function for different types at the same
@@ -7,43 +7,43 @@ something else without an error. Here the name of a file follows from what it is
 from, so that nothing but the same code has the same name.
 
 Numba keeps code as long as the file of its function is the same, though the function calls others
-whose files have changed. Here code is kept as long as all modules of its package, and of this one,
-that have compiled functions are the same.
+whose files have changed. Here code is kept as long as all modules are the same that
+:mod:`fuzzy2.support.code_stamp` finds.
+
+Numba runs whatever a file holds. Here a file begins with a checksum. What is damaged, cannot be
+read or cannot be written is no reason to fail: the code is compiled anew, with a warning.
 """
 
 from __future__ import annotations
 
 import hashlib
+import pickle
 import sys
-from functools import lru_cache
+import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from numba.core.caching import IndexDataCacheFile
+from numba.core.caching import FunctionCache, IndexDataCacheFile
 
-MARK = b"support.compiled"
-"""What modules with compiled functions import."""
+from fuzzy2.errors import CodeNotKept
+from fuzzy2.support.code_stamp import COMPILER, VERSIONS, stamp_of_kernels
 
-COMPILER = Path(__file__).parent
-"""Where compiled functions are made; what stands there counts, too."""
-
-
-@lru_cache(maxsize=16)
-def stamp_of_kernels(folder: Path) -> str:
-    """Return a number of all modules below a folder that have compiled functions."""
-    found = hashlib.sha256()
-    for path in sorted(folder.rglob("*.py")):
-        source = path.read_bytes()
-        if MARK in source or path.parent == COMPILER:
-            found.update(b"%d %s " % (len(source), path.relative_to(folder).as_posix().encode()))
-            found.update(source)
-    return found.hexdigest()
+CHECKSUM = hashlib.sha256().digest_size
+"""Bytes at the beginning of a file."""
 
 
 def _folder_of(module: str) -> Path | None:
     package = sys.modules.get(module.partition(".")[0])
     paths = list(getattr(package, "__path__", ()))
     return Path(paths[0]) if paths else None
+
+
+def _digest(*parts: bytes) -> Any:
+    found = hashlib.sha256(VERSIONS.encode())
+    for part in parts:
+        found.update(part)
+    return found
 
 
 class CodeFiles(IndexDataCacheFile):
@@ -63,8 +63,12 @@ class CodeFiles(IndexDataCacheFile):
         own: Any = cls.__new__(cls)
         own.__dict__.update(files.__dict__)
         folders = {COMPILER.parent, _folder_of(module) or COMPILER.parent}
-        stamps = tuple(stamp_of_kernels(folder) for folder in sorted(folders))
-        own._source_stamp = (own._source_stamp, stamps)
+        own._source_stamp = (own._source_stamp, stamp_of_kernels(*sorted(folders)))
+        # Of another version of numba or Python the name is another: what is there is damaged, or
+        # can be used.
+        base = own._index_name.removesuffix(".nbi")
+        own._index_name = f"{base}.{_digest().hexdigest()[:8]}.nbi"
+        own._index_path = own._data_path(own._index_name)
         kept: CodeFiles = own
         return kept
 
@@ -81,7 +85,86 @@ class CodeFiles(IndexDataCacheFile):
         files: Any = self  # numba's own functions have no types
         what = files._dump((files._source_stamp, key))
         base = files._index_name.removesuffix(".nbi")
-        name = f"{base}.{hashlib.sha256(what).hexdigest()[:20]}.nbc"
+        name = f"{base}.{_digest(what).hexdigest()[:20]}.nbc"
         files._save_data(name, data)
         # Read as late as possible: of two processes one may lose its entry, and compiles again.
         files._save_index({**files._load_index(), key: name})
+
+    def _load_index(self) -> Any:
+        found = self._read(self._index_name)
+        if found is None:
+            return {}
+        stamp, names = found
+        return names if stamp == self._source_stamp else {}
+
+    def _save_index(self, overloads: Any) -> None:
+        self._write(self._index_name, (self._source_stamp, overloads))
+
+    def _load_data(self, name: str) -> Any:
+        return self._read(name)
+
+    def _save_data(self, name: str, data: Any) -> None:
+        self._write(name, data)
+
+    def _read(self, name: str) -> Any:
+        """Return what a file holds, or None if it is not there or not what was written."""
+        files: Any = self
+        try:
+            content = Path(files._data_path(name)).read_bytes()
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            _warn(files._cache_path, f"a file there cannot be read ({error.strerror})")
+            return None
+        pickled = content[CHECKSUM:]
+        # Of its name, too: one file is not another one.
+        if content[:CHECKSUM] != _digest(name.encode(), pickled).digest():
+            _warn(files._cache_path, "a file there is damaged")
+            return None
+        return pickle.loads(pickled)
+
+    def _write(self, name: str, content: Any) -> None:
+        files: Any = self
+        pickled = files._dump(content)
+        with files._open_for_write(files._data_path(name)) as file:
+            file.write(_digest(name.encode(), pickled).digest())
+            file.write(pickled)
+
+
+class CodeCache(FunctionCache):
+    """Machine code of one function on disk, as far as the disk allows.
+
+    Parameters
+    ----------
+    function : callable
+        The function.
+
+    Raises
+    ------
+    RuntimeError
+        If no folder can be written.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function)  # type: ignore[no-untyped-call]
+        files = self._cache_file
+        self._cache_file = CodeFiles.instead_of(files, function.__module__)
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep code, if that is possible: it has been made already.
+
+        Parameters
+        ----------
+        sig : object
+            What it is compiled for.
+        data : object
+            The code.
+        """
+        try:
+            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+        except OSError as error:
+            _warn(self.cache_path, f"no file can be written there ({error.strerror})")
+
+
+def _warn(folder: str, why: str) -> None:
+    warnings.warn(CodeNotKept(folder, why), stacklevel=2)

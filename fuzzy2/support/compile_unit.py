@@ -146,8 +146,10 @@ class _PartLibrary(JITCodeLibrary):
     def _get_module_for_linking(self) -> Any:
         """Return the code with that of all parts, for functions that numba compiles as usual."""
         if self._with_parts is None:
-            self._with_parts = self.own_code().clone()
-            _link(self._with_parts, self)
+            linked = self.own_code().clone()
+            _link(linked, self)
+            # Only what is whole is kept: Ctrl-C may come in between.
+            self._with_parts = linked
         return self._with_parts
 
 

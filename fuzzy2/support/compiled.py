@@ -3,7 +3,7 @@
 Cached on disk where that is possible, without the interpreter lock.
 
 Both packages compile with this one decorator. Numba does not notice when a function in *another*
-module changed, though kernels call those of other modules: ``fuzzy2.support.code_files`` does.
+module changed, though kernels call those of other modules: ``fuzzy2.support.code_stamp`` does.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from typing import Any, Protocol, TypeVar, cast
 import numba
 from numba.extending import overload
 
-from fuzzy2.support.code_files import CodeFiles
+from fuzzy2.support.code_files import CodeCache
 from fuzzy2.support.compile_unit import Kernel, PartCompiler
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -185,7 +185,5 @@ def _compiled(
     kernel: Any = Kernel(function, targetoptions={**options, **more}, twice=twice, scalar=scalar)
     # "no locator available": site-packages and home are both read-only
     with contextlib.suppress(RuntimeError):
-        kernel.enable_caching()
-        files = kernel._cache._cache_file
-        kernel._cache._cache_file = CodeFiles.instead_of(files, function.__module__)
+        kernel._cache = CodeCache(function)
     return cast("Function", kernel)

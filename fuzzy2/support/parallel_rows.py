@@ -13,13 +13,18 @@ import os
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
+from time import perf_counter
+
+from fuzzy2.support.pieces import next_size
 
 # A part has at least as many rows as take about 50 µs. To hand rows to another thread takes about
 # 40 µs of CPU time, however many they are. So each thread should have five such parts: a batch that
 # two threads share costs less than a tenth more.
 PARTS_A_THREAD = 5
-# A part has at most this many times as many rows, so that Ctrl-C is heard within a second even on
-# a machine that is ten times slower.
+# The first part has at most this many times as many rows. Those after it have more as long as they
+# are short: rows may take much longer than expected, and Ctrl-C is heard between two parts.
+FIRST_PART = 20
+# However short parts are, they end within a second on a machine that is ten times slower.
 LARGEST_PART = 1000
 
 
@@ -93,6 +98,7 @@ class _Parts:
         self.part, self.rows, self.grain, self.threads = part, rows, grain, threads
         self.lock = threading.Lock()
         self.next = 0
+        self.largest = FIRST_PART * grain
         self.failed_at = rows
         self.outcome: int | Exception = -1
 
@@ -100,6 +106,7 @@ class _Parts:
         """Take parts until none is left."""
         while (limits := self.take()) is not None:
             first, last = limits
+            begun = perf_counter()
             outcome: int | Exception
             try:
                 row = self.part(first, last)
@@ -108,6 +115,9 @@ class _Parts:
                 outcome = error
             if outcome != -1:
                 self.fail(first, outcome)
+            elif last - first == self.largest:
+                size = next_size(self.largest, perf_counter() - begun, self.grain)
+                self.largest = min(size, LARGEST_PART * self.grain)
 
     def take(self) -> tuple[int, int] | None:
         """Return the limits of the next part; half of what is left is shared evenly."""
@@ -116,7 +126,7 @@ class _Parts:
             if first >= self.rows:
                 return None
             size = (self.rows - first) // (2 * self.threads) if self.threads > 1 else self.rows
-            size = min(max(size, self.grain), LARGEST_PART * self.grain)
+            size = min(max(size, self.grain), self.largest)
             self.next = min(first + size, self.rows)
             return first, self.next
 

@@ -6,13 +6,13 @@ Small pictures are plain SVG, made without a plotting library; who draws the oth
 
 from __future__ import annotations
 
-import html
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from fuzzy2.support.checks import Array
+from fuzzy2.support.markup import Markup, element, joined
 from fuzzy2.support.viewers import viewer
 
 WIDTH, HEIGHT = 180.0, 48.0
@@ -44,28 +44,26 @@ class Shown:
         drawn: tuple[Any, ...] = viewer()(self, axes)
         return drawn
 
-    def _repr_html_(self) -> str:
+    def _repr_html_(self) -> Markup:
         """Return what a notebook shows."""
-        return f"<code>{html.escape(repr(self))}</code>"
+        return element("code", repr(self))
 
 
-def captioned(picture: str, text: str) -> str:
+def captioned(picture: Markup, text: str) -> Markup:
     """Return a picture with a text below, of which nothing is taken for HTML."""
-    return (
-        f'<figure style="margin:0;display:inline-block">{picture}'
-        f"<figcaption><code>{html.escape(text)}</code></figcaption></figure>"
-    )
+    caption = element("figcaption", element("code", text))
+    return element("figure", picture, caption, style="margin:0;display:inline-block")
 
 
-def table(rows: Sequence[Sequence[str]]) -> str:
-    """Return rows of cells, which are HTML, as a table."""
-    cells = ("".join(f"<td>{cell}</td>" for cell in row) for row in rows)
-    return f"<table>{''.join(f'<tr>{row}</tr>' for row in cells)}</table>"
+def table(rows: Sequence[Sequence[str]]) -> Markup:
+    """Return rows of cells, texts or markup, as a table."""
+    cells = (joined(element("td", cell) for cell in row) for row in rows)
+    return element("table", *(element("tr", row) for row in cells))
 
 
 def small_picture(
     ends: tuple[float, float], curves: Sequence[Curve], points: Array, name: str
-) -> str:
+) -> Markup:
     """Return curves between ``ends`` as SVG; ``name`` is read to those who cannot see it.
 
     Parameters
@@ -83,18 +81,23 @@ def small_picture(
     # Divided first: the distance of the ends may be no float.
     width = max(right / 2.0 - left / 2.0, np.finfo(float).tiny)
     across = 2.0 + (WIDTH - 4.0) * np.clip((points / 2.0 - left / 2.0) / width, 0.0, 1.0)
-    shapes = [f"<title>{html.escape(name)}</title>"]
+    shapes = [element("title", name)]
     for n, (lower, upper) in enumerate(curves):
         color = COLORS[n % len(COLORS)]
         top, bottom = (_path(across, grades) for grades in (upper, lower))
         if not np.array_equal(lower, upper):
             area = f"{top} {_path(across[::-1], lower[::-1])}"
-            shapes.append(f'<polygon points="{area}" fill="{color}" fill-opacity="0.3"/>')
-            shapes.append(_line(bottom, color, ' stroke-dasharray="3 2"'))
-        shapes.append(_line(top, color, ""))
-    return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH:g}" height="{HEIGHT:g}" '
-        f'viewBox="0 0 {WIDTH:g} {HEIGHT:g}" role="img">{"".join(shapes)}</svg>'
+            shapes.append(element("polygon", points=area, fill=color, fill_opacity="0.3"))
+            shapes.append(_line(bottom, color, stroke_dasharray="3 2"))
+        shapes.append(_line(top, color))
+    return element(
+        "svg",
+        *shapes,
+        xmlns="http://www.w3.org/2000/svg",
+        width=f"{WIDTH:g}",
+        height=f"{HEIGHT:g}",
+        viewBox=f"0 0 {WIDTH:g} {HEIGHT:g}",
+        role="img",
     )
 
 
@@ -103,5 +106,5 @@ def _path(across: Array, grades: Array) -> str:
     return " ".join(f"{x:.1f},{y:.1f}" for x, y in zip(across, down, strict=True))
 
 
-def _line(path: str, color: str, style: str) -> str:
-    return f'<polyline points="{path}" fill="none" stroke="{color}"{style}/>'
+def _line(path: str, color: str, **style: str) -> Markup:
+    return element("polyline", points=path, fill="none", stroke=color, **style)

@@ -10,10 +10,14 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any, Literal
 
-from fuzzy2.errors import MalformedFile
+from fuzzy2.errors import FileNotWritten, MalformedFile
+from fuzzy2.support.drafts import clear_drafts, is_draft, new_draft
 
 STANDARD_STREAMS = (1, 2)
 """Descriptors of standard output and standard error."""
+
+NO_SYNC_OF_FOLDERS = (errno.EINVAL, errno.ENOTSUP, errno.EACCES)
+"""What file systems answer whose folders cannot be synchronized, or not by us."""
 
 
 def read_text(path: str | os.PathLike[str]) -> str:
@@ -51,8 +55,9 @@ def written_whole(
     """Open a file for writing that replaces what is there only once it is complete.
 
     Whoever reads the file at the same time, or after a crash, finds the old one or the new one,
-    never a part. Until it is complete the new one has a random name in the same directory; any
-    exception removes it.
+    never a part. Until it is complete the new one has a random name in the same folder; any
+    exception removes it, and what a killed process left of one is removed by whoever saves next in
+    that folder. What was saved survives a loss of power: file and folder are synchronized.
 
     Behind a symbolic link the file is replaced, not the link. The new file has the permissions of
     the old one, and its owner where that is allowed. Only what cannot be replaced is written
@@ -72,27 +77,41 @@ def written_whole(
 
     Raises
     ------
-    OSError
-        If the file cannot be written or is marked read-only; ``filename`` is ``path``. What was
-        there before remains.
+    FileNotWritten
+        If the file cannot be written or is marked read-only; an ``OSError``. What was there before
+        remains.
     """
     name = os.fspath(path)
     target = os.path.realpath(name)
-    # Short, so that there is room for it wherever there is room for the target's own name.
-    draft = os.path.join(os.path.dirname(target), f".{os.urandom(8).hex()}.part")
     try:
         status = _status(name)
         if status is None or _can_be_replaced(status):
-            with _replacing(target, draft, mode, status) as file:
+            with _replacing(target, mode, status) as file:
                 yield file
         else:
             with _opened(name, mode) as file:
                 yield file
     except OSError as error:
         # What fails while an open file is written to names no file, and nobody knows the draft.
-        if error.errno is None or error.filename not in (None, draft):
+        if error.errno is None or not (error.filename in (None, name) or is_draft(error.filename)):
             raise
-        raise OSError(error.errno, error.strerror, name) from error
+        raise FileNotWritten(error.errno, error.strerror or "", name) from error
+
+
+def made_folder(path: str | os.PathLike[str]) -> Path:
+    """Return a folder, which is made, with those that it is in, if it is not there.
+
+    Raises
+    ------
+    FileNotWritten
+        If it cannot be made.
+    """
+    try:
+        Path(path).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        code = errno.ENOTDIR if isinstance(error, FileExistsError) else error.errno
+        raise FileNotWritten(code or 0, os.strerror(code or 0), os.fspath(path)) from error
+    return Path(path)
 
 
 def _status(name: str) -> os.stat_result | None:
@@ -119,12 +138,15 @@ def _can_be_replaced(status: os.stat_result) -> bool:
 
 
 @contextmanager
-def _replacing(
-    target: str, draft: str, mode: str, status: os.stat_result | None
-) -> Iterator[IO[Any]]:
+def _replacing(target: str, mode: str, status: os.stat_result | None) -> Iterator[IO[Any]]:
+    folder = os.path.dirname(target)
+    # First, for what killed processes left may be what fills the disk.
+    clear_drafts(folder)
+    draft = None
     try:
         # The mode "x" makes the file, with the permissions that the umask leaves.
-        with _opened(draft, mode.replace("w", "x")) as file:
+        draft, opened = new_draft(folder, lambda path: _opened(path, mode.replace("w", "x")))
+        with opened as file:
             if status is not None:
                 with suppress(PermissionError):
                     os.fchown(file.fileno(), status.st_uid, status.st_gid)
@@ -132,13 +154,27 @@ def _replacing(
             yield file
             file.flush()
             os.fsync(file.fileno())
-        os.replace(draft, target)
-    except BaseException as error:
-        # A file of this name that was there before is another's.
-        if not (isinstance(error, FileExistsError) and error.filename == draft):
+            # While it is open, and so locked.
+            os.replace(draft, target)
+        _synchronize(folder)
+    except BaseException:
+        if draft is not None:
             with suppress(FileNotFoundError, NotADirectoryError):
                 os.unlink(draft)
         raise
+
+
+def _synchronize(folder: str) -> None:
+    """Let the name of a new file survive a loss of power, not only its content."""
+    try:
+        descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+    except OSError as error:
+        if error.errno not in NO_SYNC_OF_FOLDERS:
+            raise OSError(error.errno, error.strerror) from error
 
 
 def _opened(name: str, mode: str) -> IO[Any]:

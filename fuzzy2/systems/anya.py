@@ -7,7 +7,6 @@ rules.
 
 from __future__ import annotations
 
-import html
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, cast
@@ -16,7 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, NotApplicable, ReadOnly
-from fuzzy2.support.checks import Array, listed, reals, whole_number
+from fuzzy2.support.checks import Array, reals, whole_number
+from fuzzy2.support.checks import listed as checked_list
+from fuzzy2.support.markup import Markup, joined
+from fuzzy2.support.pieces import pieces
 from fuzzy2.support.shown import Shown
 from fuzzy2.systems.antecedents import Is
 from fuzzy2.systems.construction import checked_names
@@ -24,6 +26,7 @@ from fuzzy2.systems.explainable import Explainable
 from fuzzy2.systems.explanation import Explanation
 from fuzzy2.systems.gradients import analytic_gradient, central_differences
 from fuzzy2.systems.named_inputs import by_name, like_inputs
+from fuzzy2.systems.pictures import listed, titled
 from fuzzy2.systems.system import FuzzySystem
 from fuzzy2.systems.words import rules_in_words
 
@@ -93,14 +96,16 @@ class AnYaSystem(Shown):
     ) -> None:
         self.clouds = tuple(
             np.array(reals("clouds", cloud))
-            for cloud in listed("clouds", clouds, "a list of the data of each input")
+            for cloud in checked_list("clouds", clouds, "a list of the data of each input")
         )
         for cloud in self.clouds:
             if cloud.ndim != 1 or not cloud.size or not np.isfinite(cloud).all():
                 raise InvalidValue("clouds", cloud, "finite numbers, at least one in each cloud")
             cloud.flags.writeable = False
         numbers = f"numbers of the {len(self.clouds)} clouds"
-        self.asked = tuple(whole_number("asked", one, 0) for one in listed("asked", asked, numbers))
+        self.asked = tuple(
+            whole_number("asked", one, 0) for one in checked_list("asked", asked, numbers)
+        )
         if not all(one < len(self.clouds) for one in self.asked):
             raise InvalidValue("asked", asked, numbers)
         if not isinstance(consequents, FuzzySystem) or len(consequents.inputs) != len(self.asked):
@@ -151,9 +156,11 @@ class AnYaSystem(Shown):
         x = self._checked(X)
         rows = np.require(x, np.float64, ["C", "W"])
         out = np.empty((*x.shape[:-1], len(self.asked)))
-        arrays = self._data, self._starts, self._cloud_of, rows.ravel(), out.ravel()
-        if relative_densities(*arrays) >= 0:
-            raise InvalidValue("X", x, "finite")
+        inputs, found = rows.reshape(-1, x.shape[-1]), out.reshape(-1, len(self.asked))
+        clouds = self._data, self._starts, self._cloud_of
+        for part in pieces(len(inputs)):
+            if relative_densities(*clouds, inputs[part].ravel(), found[part].ravel()) >= 0:
+                raise InvalidValue("X", x, "finite")
         return out
 
     def _checked(self, X: Any) -> Array:
@@ -316,6 +323,5 @@ class AnYaSystem(Shown):
         name = self.input_names[self.asked[int(leaf.variable)]]
         return Is(name, None if leaf.term is None else "dense")
 
-    def _repr_html_(self) -> str:
-        rules = "".join(f"<li>{html.escape(rule)}</li>" for rule in self.rules_in_words())
-        return f"<p><code>{html.escape(repr(self))}</code></p><ol>{rules}</ol>"
+    def _repr_html_(self) -> Markup:
+        return joined([titled(self), listed(self.rules_in_words())])

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy2.support.checks import Array, binary_exponent
+from fuzzy2.support.pieces import pieces
 from fuzzy2.systems.monotonic_rows import Monotonics, monotonic_points
 from fuzzy2.systems.output_kernels import Points, averages
 from fuzzy2.systems.sampled_rows import samples
@@ -19,19 +20,24 @@ def reduced_by_loop(tables: Any, rows: Array, outputs: int) -> tuple[Array, NDAr
 
     Where it is refused (n,), because numbers are huge or there is no room, a row has no answer yet.
     """
-    found, flat = np.empty((len(rows), outputs, 2)), rows.ravel()
-    refused = np.zeros(len(rows), bool)
+    found, refused = np.empty((len(rows), outputs, 2)), np.zeros(len(rows), bool)
+    if isinstance(tables, Points) and binary_exponent(rows):
+        refused[:] = True
+        return found, refused
+    for part in pieces(len(rows)):
+        _reduce(tables, rows[part], found[part], refused[part])
+    return found, refused
+
+
+def _reduce(tables: Any, rows: Array, found: Array, refused: NDArray[np.bool_]) -> None:
+    flat = rows.ravel()
     if isinstance(tables, Points):
-        if binary_exponent(rows):
-            refused[:] = True
-        else:
-            averages(tables, flat, found.ravel())
+        averages(tables, flat, found.ravel())
     elif isinstance(tables, Unions):
         unions(tables, flat, found.ravel(), refused)
     elif isinstance(tables, Monotonics):
-        crisp = np.empty((len(rows), outputs))
+        crisp = np.empty(found.shape[:2])
         monotonic_points(tables, flat, crisp.ravel())
         found[:] = crisp[..., np.newaxis]
     else:
         samples(tables, flat, found.ravel())
-    return found, refused

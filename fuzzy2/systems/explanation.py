@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fuzzy2.errors import InvalidValue
 from fuzzy2.support.checks import Array
+from fuzzy2.support.markup import Markup, element, joined
 from fuzzy2.support.shown import Shown, table
 from fuzzy2.systems.explainable import Explainable
 from fuzzy2.systems.pictures import bars
@@ -127,17 +127,17 @@ class Explanation(Shown):
     def __repr__(self) -> str:
         return f"<Explanation of {self._headline(0).rstrip(',')}, {len(self.ranking())} rules>"
 
-    def _repr_html_(self) -> str:
-        parts = []
+    def _repr_html_(self) -> Markup:
+        parts: list[Markup] = []
         for j in range(len(self.outputs)):
             order = self._listed(j, MOST)
             shares = [float(self.shares[r, j]) for r in order]
             rows = [
-                [f"{100.0 * share:.1f} %", bar, f"rule {r + 1}", html.escape(self.rules[r])]
+                [f"{100.0 * share:.1f} %", bar, f"rule {r + 1}", self.rules[r]]
                 for r, share, bar in zip(order, shares, bars(shares), strict=True)
             ]
-            parts.append(f"<p><b>{html.escape(self._headline(j))}</b></p>{table(rows)}")
-        return "".join(parts)
+            parts += [element("p", element("b", self._headline(j))), table(rows)]
+        return joined(parts)
 
 
 def explained(system: Explainable, x: ArrayLike) -> Explanation:

@@ -17,6 +17,7 @@ from fuzzy2.sets.general_type2 import GeneralType2Set
 from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.type1 import Type1Set
 from fuzzy2.support.checks import Array, known_name, whole_number
+from fuzzy2.support.pieces import pieces
 from fuzzy2.systems.consequents import FunctionsOfInputs
 from fuzzy2.systems.fuzzifiers import NonSingletonFuzzifier
 from fuzzy2.systems.gradients import Differentiable
@@ -198,7 +199,9 @@ class GeneralType2System(FuzzySystem):
         self._refuse(rows)
         if self._one_loop:
             planes = np.empty((len(rows), self.levels, self.n_outputs, 2))
-            self._kernels.evaluate_planes(self._table, rows.ravel(), self._widths, planes.ravel())
+            for part in pieces(len(rows)):
+                given = self._table, rows[part].ravel(), self._widths, planes[part].ravel()
+                self._kernels.evaluate_planes(*given)
         else:
             planes = np.stack(
                 [self._plane(level).type_reduced(rows) for level in range(self.levels)], axis=1
@@ -221,7 +224,9 @@ class GeneralType2System(FuzzySystem):
         if self._table is None:
             return self._plane(0)._firing(rows)
         out = np.empty((len(rows), len(self.rules), 2))
-        self._kernels.firing(self._table, rows.ravel(), float(self._widths[0]), out.ravel())
+        width = float(self._widths[0])
+        for part in pieces(len(rows)):
+            self._kernels.firing(self._table, rows[part].ravel(), width, out[part].ravel())
         return out
 
     def coverage(self, X: ArrayLike) -> Array:
@@ -303,15 +308,12 @@ class GeneralType2System(FuzzySystem):
             return self._corollary(X)[..., 0]
         if self._one_loop:
             shape, rows = self._rows(X)
-            out = np.empty((*shape, self.n_outputs))
-            if (
-                self._kernels.evaluate_crisp_planes(
-                    self._table, rows.ravel(), self._widths, self.alphas, out.ravel()
-                )
-                >= 0
-            ):
-                self._refuse(rows)
-            return out
+            out = np.empty((len(rows), self.n_outputs))
+            for part in pieces(len(rows)):
+                given = self._table, rows[part].ravel(), self._widths, self.alphas
+                if self._kernels.evaluate_crisp_planes(*given, out[part].ravel()) >= 0:
+                    self._refuse(rows)
+            return out.reshape(*shape, self.n_outputs)
         middles = self.alpha_cuts(X).mean(axis=-1)
         crisp = np.zeros(middles.shape[:-1])
         # Plane by plane: a product of matrices adds up in an order of its own.
@@ -408,19 +410,16 @@ class GeneralType2System(FuzzySystem):
         """Mean and standard deviation of every output, (..., m, 2)."""
         shape, rows = self._rows(X)
         if self._table is not None:
-            out = np.empty((*shape, self.n_outputs, 2))
+            out = np.empty((len(rows), self.n_outputs, 2))
             product = self.grade_t_norm == "product"
             middles, spreads = self._middles.ravel(), self._spreads.ravel()
             from fuzzy2.systems.corollary_kernels import evaluate_corollary
 
-            if (
-                evaluate_corollary(
-                    self._table, rows.ravel(), middles, spreads, product, out.ravel()
-                )
-                >= 0
-            ):
-                self._refuse(rows)
-            return out
+            for part in pieces(len(rows)):
+                given = self._table, rows[part].ravel(), middles, spreads, product
+                if evaluate_corollary(*given, out[part].ravel()) >= 0:
+                    self._refuse(rows)
+            return out.reshape(*shape, self.n_outputs, 2)
         self._refuse(rows)
         mean, sigma = self._numbers(rows)
         points = GaussianNumber(self._middles.T, self._spreads.T, self._number_norm)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy2.support.checks import Array
+from fuzzy2.support.pieces import pieces
 from fuzzy2.systems.antecedents import And, Antecedent, Hedged, Is, Not, Or
 from fuzzy2.systems.table import CONORMS, NORMS
 
@@ -37,7 +38,8 @@ def log_norms(both: str, either: str) -> LogNorms:
         def combined(a: Array, b: Array) -> Array:
             first, second = (np.ascontiguousarray(one).ravel() for one in np.broadcast_arrays(a, b))
             out = np.empty(first.size)
-            combine_logarithms(code, is_conorm, first, second, out)
+            for part in pieces(out.size):
+                combine_logarithms(code, is_conorm, first[part], second[part], out[part])
             return out.reshape(np.broadcast_shapes(np.shape(a), np.shape(b)))
 
         return combined

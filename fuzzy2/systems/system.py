@@ -51,6 +51,8 @@ from fuzzy2.support.checks import (
     reals,
     whole_number,
 )
+from fuzzy2.support.markup import Markup
+from fuzzy2.support.pieces import pieces
 from fuzzy2.support.shown import Shown
 from fuzzy2.systems.antecedents import strength, trees_of
 from fuzzy2.systems.consequents import Formulas, FunctionsOfInputs
@@ -612,8 +614,11 @@ class FuzzySystem(Shown):
         results: Array = np.empty(
             (*shape, self.n_outputs) if crisp else (*shape, self.n_outputs, 2)
         )
-        if self._kernels.evaluate(self._table, rows.ravel(), 0.0, crisp, results.ravel()) >= 0:
-            self._refuse(rows)
+        out = results.reshape(-1, self.n_outputs if crisp else 2 * self.n_outputs)
+        for part in pieces(len(rows)):
+            given = self._table, rows[part].ravel(), 0.0, crisp, out[part].ravel()
+            if self._kernels.evaluate(*given) >= 0:
+                self._refuse(rows)
         return results
 
     def firing(self, X: ArrayLike) -> Array:
@@ -641,7 +646,8 @@ class FuzzySystem(Shown):
     def _firing(self, rows: Array) -> Array:
         if self._table is not None:
             out = np.empty((len(rows), len(self.rules), 2))
-            self._kernels.firing(self._table, rows.ravel(), 0.0, out.ravel())
+            for part in pieces(len(rows)):
+                self._kernels.firing(self._table, rows[part].ravel(), 0.0, out[part].ravel())
             return out
         return self._combine(self._grades(rows))
 
@@ -823,7 +829,7 @@ class FuzzySystem(Shown):
         logarithms[far] = of_far
         return logarithms, np.isin(np.arange(len(rows)), far)
 
-    def _repr_html_(self) -> str:
+    def _repr_html_(self) -> Markup:
         return html_of(self)
 
     def validity(self, X: ArrayLike) -> Array:

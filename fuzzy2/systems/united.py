@@ -33,6 +33,7 @@ from fuzzy2.reduction.defuzzification import defuzzify_samples
 from fuzzy2.reduction.interval import generalized_centroid
 from fuzzy2.sets.type1 import Type1Set
 from fuzzy2.support.checks import Array
+from fuzzy2.support.pieces import pieces
 from fuzzy2.support.quadrature import merged
 from fuzzy2.systems.averages import averaged
 from fuzzy2.systems.maxima import maximum
@@ -303,18 +304,23 @@ class United:
         """Write the centroids by the compiled loop; return the row where that gave up."""
         from fuzzy2.systems.united_kernels import centroids_of_unions
 
-        refused = centroids_of_unions(
-            rows,
-            np.ascontiguousarray(np.moveaxis(strengths, 2, 1)),
-            self._implication.name == "product",
-            self._aggregation is None,
-            self.crisp and np.array_equal(strengths[..., 0], strengths[..., 1]),
-            self._nodes,
-            GAUSS,
-            TOLERANCE,
-            out,
-        )
-        return len(strengths) if refused < 0 else refused
+        by_end = np.ascontiguousarray(np.moveaxis(strengths, 2, 1))
+        crisp = self.crisp and np.array_equal(strengths[..., 0], strengths[..., 1])
+        for part in pieces(len(strengths)):
+            refused = centroids_of_unions(
+                rows,
+                by_end[part],
+                self._implication.name == "product",
+                self._aggregation is None,
+                crisp,
+                self._nodes,
+                GAUSS,
+                TOLERANCE,
+                out[part],
+            )
+            if refused >= 0:
+                return int(part.start + refused)
+        return len(strengths)
 
     def _of_points(self, strengths: Array) -> Array:
         return generalized_centroid(self._places, self._weights_of_points(strengths))

@@ -7,10 +7,12 @@ import math
 import os
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import CancelledError
+from concurrent.futures import CancelledError, Executor
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import AbstractContextManager
 from pathlib import Path
 
+from fuzzy2.support.text_files import made_folder
 from psp3.benchmark.baselines import BASELINES, NEED_SCIKIT_LEARN, REFERENCE
 from psp3.benchmark.board import Board
 from psp3.benchmark.entries import Entry, load_entry
@@ -38,6 +40,7 @@ from psp3.errors import (
     WorkersLost,
 )
 from psp3.study import cluster
+from psp3.study.interrupts import noted_interrupts
 
 ALL = "all"
 """Stands for all entries that come with the package."""
@@ -182,46 +185,58 @@ class Benchmark:
             Before any work, if the scheduler or its workers cannot be used; later, if the
             connection is lost.
         StudyInterrupted
-            After Ctrl-C; what was done stays.
+            After Ctrl-C, at whatever moment; what was done stays.
         """
         if workers is not None and scheduler is not None:
             raise InvalidValue("workers", workers, "left out where a scheduler has its own")
         count = (
             len(os.sched_getaffinity(0)) if workers is None else checked_count("workers", workers)
         )
-        self.directory.mkdir(parents=True, exist_ok=True)
-        file = OutcomeFile(self.directory / FILE)
+        path, session = (self.directory / FILE).resolve(), None
+        try:
+            with noted_interrupts() as interrupts:
+                file = OutcomeFile(made_folder(self.directory) / FILE)
+                wanted = self._wanted()
+                there = {
+                    name for name, outcome in file.outcomes().items() if outcome["error"] is None
+                }
+                missing = {name: work for name, work in wanted.items() if name not in there}
+                session = _Session(file, len(wanted), len(wanted) - len(missing), progress)
+                session.report()
+                if scheduler is None and count == 1:
+                    for name, work in missing.items():
+                        with interrupts.obeyed_at_once():
+                            outcome = execute(*work)
+                        session.keep(name, outcome)
+                elif missing:
+                    with _workers(count, scheduler) as pool:
+                        done_by(*pool, missing, session.keep)
+        except KeyboardInterrupt:
+            done, total = (session.done, session.total) if session else (0, len(self._wanted()))
+            raise StudyInterrupted(path, done, total) from None
+        except BrokenProcessPool as error:
+            assert session is not None
+            if interrupts.came:
+                # Ctrl-C in a terminal reaches new processes before they leave it to this one.
+                raise StudyInterrupted(path, session.done, session.total) from None
+            raise WorkersLost(path, session.done, session.total) from error
+        except CancelledError as error:
+            assert session is not None
+            reason = (
+                f"the connection was lost after {session.done} of {session.total} trials; they "
+                f"are in {path}, run the benchmark again"
+            )
+            raise SchedulerUnavailable(str(scheduler), reason) from error
+        return len(missing)
+
+    def _wanted(self) -> dict[str, tuple[Trial, Entry]]:
+        """Return trials with their entries by key, each once."""
         wanted: dict[str, tuple[Trial, Entry]] = {}
         for trial in self.trials():
             for entry in self.entries.values():
                 one = own_trial(entry, trial)
                 wanted.setdefault(key(entry, one), (one, entry))
-        there = {name for name, outcome in file.outcomes().items() if outcome["error"] is None}
-        missing = {name: work for name, work in wanted.items() if name not in there}
-        session = _Session(file, len(wanted), len(wanted) - len(missing), progress)
-        session.report()
-        try:
-            if scheduler is None and count == 1:
-                for name, work in missing.items():
-                    session.keep(name, execute(*work))
-            elif missing:
-                with (
-                    processes(count)
-                    if scheduler is None
-                    else cluster.connected(scheduler, stamp, one_thread=True) as pool
-                ):
-                    done_by(*pool, missing, session.keep)
-        except KeyboardInterrupt:
-            raise StudyInterrupted(file.path, session.done, session.total) from None
-        except BrokenProcessPool as error:
-            raise WorkersLost(file.path, session.done, session.total) from error
-        except CancelledError as error:
-            reason = (
-                f"the connection was lost after {session.done} of {session.total} trials; they "
-                f"are in {file.path}, run the benchmark again"
-            )
-            raise SchedulerUnavailable(str(scheduler), reason) from error
-        return len(missing)
+        return wanted
 
     def board(self) -> Board:
         """Return the scores of what is in the file."""
@@ -241,6 +256,14 @@ class Benchmark:
             self.duration,
             self.period,
         )
+
+
+def _workers(
+    count: int, scheduler: str | None
+) -> AbstractContextManager[tuple[Executor, Callable[[], int]]]:
+    if scheduler is None:
+        return processes(count)
+    return cluster.connected(scheduler, stamp, one_thread=True)
 
 
 class _Session:

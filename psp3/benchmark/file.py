@@ -1,6 +1,8 @@
 """Outcomes of trials on disk: an SQLite file with one row for each trial of each entry.
 
-A row is there whole or not at all, committed when its trial is done. Its key is what decides the
+A row is there whole or not at all, committed when its trial is done, and has a checksum, which is
+verified when it is read. A row that is lost is a trial that is not done, which the board says. Its
+key is what decides the
 outcome: entry, the mark of its file, the trial's fields and the sources of the packages. So the
 same benchmark goes on where it was stopped, an entry whose file was changed runs anew, and all of
 them do where the packages were changed.
@@ -11,6 +13,7 @@ from __future__ import annotations
 import json
 import math
 import sqlite3
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
@@ -20,11 +23,12 @@ from psp3.benchmark.entries import Entry
 from psp3.benchmark.stamp import stamp
 from psp3.benchmark.trial import Outcome, Trial
 from psp3.errors import InvalidStudyFile, StudyFileNotWritable
+from psp3.study.file import is_still, literal
 
 APPLICATION = int.from_bytes(b"PSPB", "big")
 """Mark of these files (SQLite's ``application_id``)."""
 
-FORMAT = 1
+FORMAT = 2
 """Version of the layout; any other is refused."""
 
 PATIENCE = 30.0
@@ -64,7 +68,8 @@ class OutcomeFile:
                     connection.execute("BEGIN IMMEDIATE")
                     connection.execute(
                         "CREATE TABLE IF NOT EXISTS outcomes "
-                        "(key TEXT PRIMARY KEY, outcome TEXT NOT NULL) WITHOUT ROWID"
+                        "(key TEXT PRIMARY KEY, outcome TEXT NOT NULL, "
+                        "checksum INTEGER NOT NULL) WITHOUT ROWID"
                     )
                     connection.execute(f"PRAGMA application_id = {APPLICATION}")
                     connection.execute(f"PRAGMA user_version = {FORMAT}")
@@ -75,19 +80,47 @@ class OutcomeFile:
                     f"and version {version}, and {APPLICATION} and {FORMAT} are read; give "
                     "another directory",
                 )
+        self._place = self.path.stat()
 
     def outcomes(self) -> dict[str, Outcome]:
-        """Return all outcomes by key."""
+        """Return all outcomes by key.
+
+        Raises
+        ------
+        InvalidStudyFile
+            If a row is not what was written.
+        """
         with self._connected() as connection:
-            rows = connection.execute("SELECT key, outcome FROM outcomes").fetchall()
-        return {name: json.loads(outcome) for name, outcome in rows}
+            rows = connection.execute("SELECT key, outcome, checksum FROM outcomes").fetchall()
+        for row in rows:
+            if not _is_whole(*row):
+                raise InvalidStudyFile(
+                    self.path,
+                    f"is damaged: the outcome of {str(row[0])[:200]} does not have its checksum; "
+                    f"delete such rows and run the benchmark again, which does their trials anew "
+                    f"(DELETE FROM outcomes WHERE checksum IS {literal(row[2])})",
+                )
+        return {name: json.loads(outcome) for name, outcome, _ in rows}
 
     def add(self, name: str, outcome: Outcome) -> None:
-        """Commit an outcome; one with the same key is replaced."""
+        """Commit an outcome; one with the same key is replaced.
+
+        Raises
+        ------
+        StudyFileNotWritable
+            If it cannot be written, or the file is not where it was any more.
+        """
+        if not is_still(self.path, self._place):
+            raise StudyFileNotWritable(
+                self.path,
+                "it was deleted or replaced while the benchmark was running; put it back and run "
+                "the benchmark again, which otherwise does all its trials anew",
+            )
         # Numbers that are not finite are none: what has no error says so with a word of its own.
         text = json.dumps(outcome, allow_nan=False)
+        row = name, text, _checksum(name, text)
         with self._connected() as connection, connection:
-            connection.execute("INSERT OR REPLACE INTO outcomes VALUES (?, ?)", (name, text))
+            connection.execute("INSERT OR REPLACE INTO outcomes VALUES (?, ?, ?)", row)
 
     @contextmanager
     def _connected(self) -> Iterator[sqlite3.Connection]:
@@ -97,7 +130,7 @@ class OutcomeFile:
             raise StudyFileNotWritable(self.path, str(error)) from error
         try:
             yield connection
-        except sqlite3.DatabaseError as error:
+        except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
             # Full disks and locked files are operational, what is no database is not.
             if isinstance(error, sqlite3.OperationalError):
                 raise StudyFileNotWritable(self.path, str(error)) from error
@@ -106,3 +139,16 @@ class OutcomeFile:
             ) from error
         finally:
             connection.close()
+
+
+def _checksum(name: str, outcome: str) -> int:
+    return zlib.crc32(outcome.encode(), zlib.crc32(name.encode()))
+
+
+def _is_whole(name: object, outcome: object, checksum: object) -> bool:
+    return (
+        isinstance(name, str)
+        and isinstance(outcome, str)
+        and type(checksum) is int
+        and checksum == _checksum(name, outcome)
+    )

@@ -65,7 +65,6 @@ def label_points(
             textcoords="offset points",
             fontsize=SIZE,
             color=color,
-            parse_math=False,
             ha="center",
             va="center",
             arrowprops={"arrowstyle": "-", "color": color, "linewidth": 0.5} if ring else None,
@@ -74,7 +73,7 @@ def label_points(
 
 def _size(axes: Axes, name: str) -> Array:
     """Return width and height of a name [pixels]."""
-    text = axes.text(0.5, 0.5, name, fontsize=SIZE, transform=axes.transAxes, parse_math=False)
+    text = axes.text(0.5, 0.5, name, fontsize=SIZE, transform=axes.transAxes)
     size = np.array(text.get_window_extent().size)
     text.remove()
     return size

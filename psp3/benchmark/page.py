@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from html import escape
 from pathlib import Path
 
 from fuzzy2.plots.style import style
@@ -17,7 +16,7 @@ from psp3.benchmark.pictures import as_svg, condition, figure_of_cells, figure_o
 from psp3.benchmark.readings import NONE, READINGS
 from psp3.benchmark.tasks import PATHS, ROBOTS, SAMPLES
 from psp3.checks import checked_kind, checked_path
-from psp3.plots.page import drawing, page, table
+from psp3.plots.page import contents, drawing, listed, note_below, page, table
 from psp3.study.statistics import Estimate
 
 TITLE = "Learned computed torque for parallel robots: the board"
@@ -92,21 +91,15 @@ def write_page(board: Board, path: str | Path) -> Path:
         )
         for robot in board.robots
     ]
-    links = "".join(
-        f"<li><a href='#robot-{robot}'>{escape(robot)}</a></li>" for robot in board.robots
-    )
-    said = "".join(f"<li>{escape(sentence)}</li>" for sentence in summary(board))
+    links = [("board", "The board"), *((f"robot-{robot}", robot) for robot in board.robots)]
     numbers = board.as_numbers()
     made = (
         f"Computed with psp3 {numbers['versions']['psp3']}, Python "
         f"{numbers['versions']['python']} on {numbers['machine']['system']}. All numbers are in "
         "benchmark.json."
     )
-    body = (
-        f"<ul class='answer'>{said}</ul><nav aria-label='Contents'><ul><li><a href='#board'>The "
-        f"board</a></li>{links}</ul></nav>{''.join(tables)}<p class='note'>{escape(made)}</p>"
-    )
-    write_text(page(TITLE, body), target)
+    answer = listed(summary(board), class_="answer")
+    write_text(page(TITLE, answer, contents(links), *tables, note_below(made)), target)
     return target
 
 

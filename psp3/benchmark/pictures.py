@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from fuzzy2.plots.names import literal
 from fuzzy2.plots.panels import cycle_colors
 from fuzzy2.plots.style import style
 from psp3.benchmark.board import Board, Cell
@@ -93,9 +94,6 @@ def figure_of_cells(board: Board, axes: Sequence[Axes] | None = None) -> Panels:
             )
         panel.set(xscale="log", title=robot, xlabel="error of the tip [mm]")
     panels[0].set_yticks(lines, names)
-    # Names come from the files of others, and a dollar begins a formula.
-    for label in panels[0].get_yticklabels():
-        label.set_parse_math(False)
     panels[0].set_ylim(len(names) - 0.5, -0.5)
     if axes is None:
         handles, labels = panels[0].get_legend_handles_labels()
@@ -139,8 +137,8 @@ def figure_of_times(board: Board, axes: Sequence[Axes] | None = None) -> Panels:
 
 
 def _shown(name: str) -> str:
-    """Return a name, cut where it is so long that it would leave no room."""
-    return name if len(name) <= LONGEST else name[: LONGEST - 1] + "…"
+    """Return the label of a name, cut where it is so long that it would leave no room."""
+    return literal(name if len(name) <= LONGEST else name[: LONGEST - 1] + "…")
 
 
 def as_svg(panels: Panels) -> bytes:

@@ -8,20 +8,15 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    CancelledError,
-    Executor,
-    Future,
-    ProcessPoolExecutor,
-    wait,
-)
+from concurrent.futures import CancelledError, Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 
 from psp3.benchmark.entries import Entry, said
 from psp3.benchmark.trial import Outcome, Trial, execute
+from psp3.study.interrupts import noted_interrupts
 from psp3.study.study import HANDED_OUT, LOOK_UP
+from psp3.study.under_way import UnderWay
 
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 """What keeps a worker to one core: times are compared, and matrices are small."""
@@ -81,34 +76,45 @@ def done_by(
         After Ctrl-C; what had begun is kept, if it still comes back.
     """
     waiting = iter(missing.items())
-    under_way: dict[Future[Outcome], str] = {}
-    try:
-        while True:
-            room = HANDED_OUT * max(1, count_workers()) - len(under_way)
-            for name, work in itertools.islice(waiting, max(0, room)):
-                under_way[executor.submit(_execute_alone, *work)] = name
-            if not under_way:
-                return
-            # Not without end: count_workers finds out what a cluster tells nobody.
-            lost: BrokenProcessPool | CancelledError | None = None
-            for future in wait(under_way, LOOK_UP, FIRST_COMPLETED).done:
-                name = under_way.pop(future)
-                try:
-                    keep(name, _outcome(future))
-                except (BrokenProcessPool, CancelledError) as error:
-                    # Others of these have come back, and are kept.
-                    lost = error
-            if lost is not None:
-                raise lost
-    except KeyboardInterrupt:
-        # What has begun is soon done, and is kept.
-        begun = [future for future in under_way if not future.cancel()]
-        for future in wait(begun).done:
-            keep(under_way[future], _outcome(future))
-        raise
-    finally:
-        for future in under_way:
-            future.cancel()
+    under_way: UnderWay[str, Outcome] = UnderWay()
+    with noted_interrupts(under_way.wake) as interrupts:
+        try:
+            while True:
+                with interrupts.obeyed_at_once():
+                    workers = max(1, count_workers())
+                for name, work in itertools.islice(
+                    waiting, max(0, HANDED_OUT * workers - len(under_way))
+                ):
+                    under_way.hand_out(executor, name, _execute_alone, *work)
+                if not under_way:
+                    return
+                # Not without end: count_workers finds out what a cluster tells nobody.
+                _keep(under_way, LOOK_UP, keep)
+        except KeyboardInterrupt:
+            # What has begun is soon done, and is kept.
+            under_way.cancel()
+            while under_way:
+                _keep(under_way, None, keep)
+            raise
+        finally:
+            under_way.cancel()
+
+
+def _keep(
+    under_way: UnderWay[str, Outcome],
+    patience: float | None,
+    keep: Callable[[str, Outcome], None],
+) -> None:
+    """Keep what comes back, and raise what has lost the rest of it."""
+    lost: BrokenProcessPool | CancelledError | None = None
+    for future in under_way.finished(patience):
+        try:
+            keep(under_way.take(future), _outcome(future))
+        except (BrokenProcessPool, CancelledError) as error:
+            # Others of these have come back, and are kept.
+            lost = error
+    if lost is not None:
+        raise lost
 
 
 def _outcome(future: Future[Outcome]) -> Outcome:

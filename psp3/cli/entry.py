@@ -29,7 +29,7 @@ from psp3.cli.commands.train import train
 from psp3.cli.commands.view import view
 from psp3.cli.commands.workspace import workspace
 from psp3.cli.options import INTERRUPTED, USAGE
-from psp3.cli.output import error_message
+from psp3.cli.output import error_message, say
 
 # In the order of the help.
 for command in (reproduce, simulate, train, study, benchmark, torques, pose, dynamics, workspace):
@@ -60,10 +60,10 @@ def main() -> None:
         message = error_message(error)
         if message is None:
             raise
-        typer.echo(message, err=True)
+        say(message, err=True)
         status = USAGE
     if status == INTERRUPTED:
-        typer.echo("psp3: interrupted", err=True)
+        say("psp3: interrupted", err=True)
     _let_go_of_output()
     sys.exit(status)
 

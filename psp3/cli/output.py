@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,17 +21,25 @@ KEYS = 2
 """Columns that say what a row is about, repeated where a table is divided."""
 
 
+def printable_text(text: str) -> str:
+    """Return a text with nothing in it that a terminal obeys."""
+    from fuzzy2.errors import printable
+
+    return printable(text)
+
+
 def new_table(title: str, *columns: str, note: str = "") -> Table:
     """Return a table with a title and columns."""
     from rich import box
-    from rich.table import Table
 
-    table = Table(
-        title=title,
+    from psp3.cli.plain_table import PlainTable
+
+    table = PlainTable(
+        title,
+        note,
         box=box.SIMPLE_HEAD,
         title_justify="left",
         title_style="bold",
-        caption=note or None,
         caption_justify="left",
     )
     for number, column in enumerate(columns):
@@ -117,14 +126,19 @@ def show_narrow(title: str, headings: list[str], rows: list[list[str]], note: st
     from rich.text import Text
 
     console = Console(highlight=False)
-    console.print(Text(title, style="bold"))
-    columns = list(zip(*([" ".join(cell.split()) for cell in row] for row in rows), strict=True))
+    console.print(Text(printable_text(title), style="bold"))
+    headings = [printable_text(heading) for heading in headings]
+    columns = list(
+        zip(
+            *([" ".join(printable_text(cell).split()) for cell in row] for row in rows), strict=True
+        )
+    )
     widths = [_least_width(*both) for both in zip(headings, columns, strict=True)]
     for part in _parts(widths, console.width):
         some = [headings[k] for k in part], [columns[k] for k in part]
         console.print(_narrow_table(*some, console.width))
     if note:
-        console.print(Text(note, style="dim"))
+        console.print(Text(printable_text(note), style="dim"))
 
 
 def show(*tables: Table) -> None:
@@ -141,16 +155,27 @@ def show_text(text: str) -> None:
     from rich.console import Console
     from rich.text import Text
 
-    Console(highlight=False).print(Text(text))
+    Console(highlight=False).print(Text(printable_text(text)))
+
+
+def say(text: object = "", err: bool = False) -> None:
+    """Print a line, with nothing in it that a terminal obeys."""
+    typer.echo(printable_text(str(text)), err=err)
 
 
 def print_json(content: dict[str, Any]) -> None:
-    """Print content as JSON; numbers that JSON does not know are null."""
+    """Print content as JSON; numbers that JSON does not know are null.
+
+    Letters are readable, and what is not is written as JSON writes it.
+    """
     import json
 
     from fuzzy2.support.plain_data import plain
 
-    typer.echo(json.dumps(plain(content), allow_nan=False, ensure_ascii=False))
+    text = json.dumps(plain(content), allow_nan=False, ensure_ascii=False)
+    if printable_text(text) != text:
+        text = "".join(c if printable_text(c) == c else json.dumps(c)[1:-1] for c in text)
+    typer.echo(text)
 
 
 def fixed(values: Any, digits: int = 6) -> list[str]:
@@ -172,7 +197,9 @@ def write_csv(path: Path, columns: dict[str, Any]) -> None:
     writer.writerow(columns)
     writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
     if path == Path("-"):
-        typer.echo(text.getvalue(), nl=False)
+        # A program that reads this gets the names as they are; a person sees them.
+        shown = printable_text(text.getvalue()) if sys.stdout.isatty() else text.getvalue()
+        sys.stdout.write(shown)
     else:
         write_text(text.getvalue(), path)
 
@@ -202,7 +229,7 @@ def progress_bar(description: str, total: float) -> Iterator[Callable[[float], N
 
     console = Console(stderr=True)
     columns = (
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         TaskProgressColumn(),
         TimeRemainingColumn(),
@@ -233,7 +260,7 @@ def progress_bars() -> Iterator[tuple[Progress, bool]]:
     columns = (
         BarColumn(),
         MofNCompleteColumn(),
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         TimeRemainingColumn(),
     )
     with Progress(
@@ -263,7 +290,7 @@ def counted_progress(what: str) -> Iterator[Callable[[int, int, float], None]]:
             if not on_terminal and 10 * done // total > tenths:
                 tenths = 10 * done // total
                 remaining = f", {(total - done) / rate:.0f} s left" if rate and done < total else ""
-                typer.echo(f"[{done}/{total}] {text}{remaining}".rstrip(), err=True)
+                say(f"[{done}/{total}] {text}{remaining}".rstrip(), err=True)
 
         yield progress
 

@@ -24,6 +24,7 @@ from psp3.cli.options import (
     option_of,
     usage_error,
 )
+from psp3.cli.output import say
 
 if TYPE_CHECKING:
     from psp3.control.controller import Controller
@@ -40,7 +41,7 @@ def resumable(place: Path) -> Iterator[None]:
     try:
         yield
     except StudyInterrupted as interrupt:
-        typer.echo(
+        say(
             f"{interrupt.done} of {interrupt.total} runs are in {place}; the same command goes on "
             "from there",
             err=True,

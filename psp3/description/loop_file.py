@@ -14,7 +14,6 @@ The keys are those of toolbox-parallel-robots, so its files can be read here and
 
 from __future__ import annotations
 
-import logging
 import reprlib
 from collections import Counter
 from collections.abc import Iterator
@@ -24,12 +23,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from fuzzy2.support.logs import logger_named
 from psp3.description.joint_replacement import REPLACEMENTS
 from psp3.errors import InvalidRobotFile
 from psp3.multibody.equations import Hinge
 from psp3.multibody.named_frames import frames_named
 
-logger = logging.getLogger(__name__)
+logger = logger_named(__name__)
 
 SHORT = reprlib.Repr()
 """Writes a value in an error message: of lists in lists in lists no more than two."""

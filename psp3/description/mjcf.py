@@ -5,7 +5,6 @@ A tree, loops that are equality constraints, and motors.
 
 from __future__ import annotations
 
-import logging
 import tempfile
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping, Sequence
@@ -15,6 +14,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from fuzzy2.support.logs import logger_named
 from psp3.checks import Array
 from psp3.description.joint_replacement import replace_joints
 from psp3.description.loop_file import check_actuated, rigid_constraint
@@ -25,7 +25,7 @@ from psp3.description.parts import RobotParts
 from psp3.description.xml import described
 from psp3.multibody.equations import Coupling
 
-logger = logging.getLogger(__name__)
+logger = logger_named(__name__)
 
 
 def read_mjcf(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from typing import Any
@@ -10,12 +9,13 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from fuzzy2.support.logs import logger_named
 from psp3.checks import Array
 from psp3.description.sdf_frames import Frame
 from psp3.description.sdf_tree import Tree
 from psp3.description.xml import described
 
-logger = logging.getLogger(__name__)
+logger = logger_named(__name__)
 
 SIZES = {
     "box": (("size", 3),),

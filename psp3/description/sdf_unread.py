@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import logging
 import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator, Mapping, Sequence
 
+from fuzzy2.support.logs import logger_named
 from psp3.description.sdf_document import SdfDocument
 from psp3.description.sdf_frames import Frame, Reader
 from psp3.description.sdf_joints import Joint
 from psp3.description.sdf_tree import Tree
 from psp3.description.xml import described
 
-logger = logging.getLogger(__name__)
+logger = logger_named(__name__)
 
 MECHANICAL = ("joint", "ball_constraint", "linear_bushing_rpy", "tendon_constraint", "link")
 """Elements of other formats, after their prefix, without which the robot is another one."""

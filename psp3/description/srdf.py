@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from typing import NamedTuple
@@ -10,11 +9,12 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from fuzzy2.support.logs import logger_named
 from psp3.checks import Array
 from psp3.description.xml import described, numbers, read_xml, unique_names
 from psp3.errors import InvalidRobotFile
 
-logger = logging.getLogger(__name__)
+logger = logger_named(__name__)
 
 
 def reference_poses(model: pin.Model, srdf: str | Path) -> dict[str, Array]:

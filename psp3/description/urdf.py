@@ -5,7 +5,6 @@ A tree from a URDF, reference poses from an SRDF, loops and motors from a loop f
 
 from __future__ import annotations
 
-import logging
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from fuzzy2.support.logs import logger_named
 from psp3.description.closing_frames import closing_frames
 from psp3.description.joint_replacement import replace_joints
 from psp3.description.loop_file import Loops, constraint_models, hinges, read_loops
@@ -23,7 +23,7 @@ from psp3.description.urdf_plain import make_meshes_absolute, plain_urdf
 from psp3.errors import InvalidRobotFile, InvalidValue
 from psp3.multibody.equations import Coupling
 
-logger = logging.getLogger(__name__)
+logger = logger_named(__name__)
 
 
 def read_robot(

@@ -9,18 +9,18 @@ an axis of zeros is an axis.
 
 from __future__ import annotations
 
-import logging
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
+from fuzzy2.support.logs import logger_named
 from psp3.description.urdf_inertia import check_inertias
 from psp3.description.xml import described, numbers, unique_names
 from psp3.errors import InvalidRobotFile
 
-logger = logging.getLogger(__name__)
+logger = logger_named(__name__)
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 """Types of joint that a URDF may have."""

@@ -7,7 +7,6 @@ is fixed to the world does not move, and needs no inertia.
 
 from __future__ import annotations
 
-import logging
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,11 +15,12 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from fuzzy2.support.logs import logger_named
 from psp3.checks import Array
 from psp3.description.xml import check_inertia, described, negative_moment, numbers
 from psp3.errors import InvalidRobotFile
 
-logger = logging.getLogger(__name__)
+logger = logger_named(__name__)
 
 
 class _Mass(NamedTuple):

@@ -355,6 +355,10 @@ class NaturalOrthogonalComplement:
         self.body_names: tuple[str, ...] = tuple(map(self._body_name, self._tree.joints))
         """Names of the bodies, in the order of the rows of K and T."""
 
+    def __reduce__(self) -> tuple[type[NaturalOrthogonalComplement], tuple[HasTree]]:
+        # Pinocchio pickles neither constraints nor what it computes of them.
+        return type(self), (self.robot,)
+
     def _body_name(self, joint: int) -> str:
         for frame in self.model.frames:
             if frame.type == pin.FrameType.BODY and frame.parentJoint == joint:

@@ -58,7 +58,7 @@ class ProjectedDynamics:
     """
 
     def __init__(self, robot: HasTree) -> None:
-        self._mechanism = Mechanism(robot)
+        self._robot, self._mechanism = robot, Mechanism(robot)
         self.model = self._mechanism.model
         self.data = self.model.createData()
         # Velocity forces are read off a copy without gravity: beside the weight they would lose
@@ -85,6 +85,10 @@ class ProjectedDynamics:
         self._crba_holds = bool(self.model.check(self.data))
         self._upper = np.triu(np.ones((self.model.nv, self.model.nv)))
         self._rest = np.zeros(self.model.nv)
+
+    def __reduce__(self) -> tuple[type[ProjectedDynamics], tuple[HasTree]]:
+        # Pinocchio pickles neither constraints nor what it computes of them.
+        return type(self), (self._robot,)
 
     # Closing the loops
 

@@ -26,7 +26,13 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.errors import NotExportable
 from fuzzy2.support.text_files import written_whole
-from psp3.checks import checked_count, checked_kind, checked_path, checked_positive, known_name
+from psp3.checks import (
+    checked_kind,
+    checked_path,
+    checked_positive,
+    checked_steps,
+    known_name,
+)
 from psp3.drives.drive import NO_DRIVE, Drive
 from psp3.errors import InvalidValue, SourceOnlyFMU
 from psp3.export.fmu_controller import controller_model
@@ -151,7 +157,7 @@ def export_fmu(
     if not re.fullmatch(rf"[A-Za-z_]\w{{0,{_LONGEST - 1}}}", identifier, re.ASCII):
         wanted = f"an identifier of C: at most {_LONGEST} letters, digits and underscores"
         raise InvalidValue("name", name, wanted)
-    steps, standard = checked_count("steps", steps), _standard(version)
+    steps, standard = checked_steps(steps), _standard(version)
     if isinstance(thing, str | Path):
         thing = FuzzyComputedTorque.load(thing, robot)
     if hasattr(thing, "torque") and hasattr(thing, "reset"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
+from fuzzy2.errors import printable
 from psp3.export.fmu_model import Model, Variable
 from psp3.version import __version__
 
@@ -38,7 +39,7 @@ def root_of(model: Model, version: str, token: dict[str, str]) -> Element:
     return Element(
         "fmiModelDescription",
         about,
-        description=model.title,
+        description=printable(model.title),
         generationTool=f"psp3 {__version__}",
         variableNamingConvention="flat",
     )

@@ -16,6 +16,7 @@ from fuzzy2.support.text_files import read_text
 from psp3.export import typical_inputs
 from psp3.export.controllers import robot_of
 from psp3.export.face import c_code
+from psp3.export.robot_text import LONGEST
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.controller_files import FORMAT, FORMAT_OF_ANY
 from psp3.fuzzy_control.kernels import NO_MODEL
@@ -139,7 +140,7 @@ def identifier(source: str | Path) -> str:
     str
         Letters, digits and underscores, a letter first.
     """
-    name = re.sub(r"\W", "_", Path(source).stem, flags=re.ASCII)
+    name = re.sub(r"\W", "_", Path(source).stem, flags=re.ASCII)[:LONGEST]
     return name if name[:1].isalpha() else f"code_{name}"
 
 

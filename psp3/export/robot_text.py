@@ -37,11 +37,19 @@ KINDS = {
 TURNS = "cosine and sine; its speed is angular"
 """What the numbers of joints of several are."""
 
+LONGEST = 48
+"""Letters of a prefix that is made of a name: files are called like it, too."""
+
 
 def identifier(name: str) -> str:
     """Return a name as an identifier of C."""
     word = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")
     return f"robot_{word}" if not word or word[0].isdigit() else word
+
+
+def prefix_of(name: str) -> str:
+    """Return what all names of a robot's code begin with, and its files are called."""
+    return identifier(name or "robot")[:LONGEST]
 
 
 def chosen(functions: Sequence[str] | None, known: Sequence[str] | dict[str, int]) -> list[str]:

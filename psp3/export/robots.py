@@ -92,7 +92,7 @@ def robot_code(
             "it may change the dynamics of its parts, which are what is written",
             "a psp3.ClosedLoopRobot of the same parts",
         )
-    prefix = robot_text.identifier(name or robot.model.name or "robot")
+    prefix = robot_text.identifier(name) if name else robot_text.prefix_of(robot.model.name)
     if isinstance(table, ClosedForm):
         return closed_form.code_of(robot, table, precision, prefix, frames, functions)
     return _Robot(robot, table, precision, frames, functions, most_attempts).code(prefix)

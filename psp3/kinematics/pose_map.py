@@ -159,7 +159,7 @@ class KinematicMap:
 
         Raises
         ------
-        OSError
+        fuzzy2.errors.FileNotWritten
             If the file cannot be written; what was there before remains.
         """
         content = {

@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from fuzzy2.support.compiled import only_for
 from fuzzy2.support.parallel_rows import first_refused_row
+from fuzzy2.support.pieces import pieces
 from psp3.checks import Array, Indices
 from psp3.errors import InvalidValue
 from psp3.multibody.closing import CLOSED
@@ -55,10 +56,6 @@ from psp3.multibody.tree import (
 
 GRAIN = 1
 """Blocks of rows that take a thread about 50 µs; one of the smallest robot takes a hundred."""
-
-PIECE = 32 * BLOCK
-"""Rows after which a call of one thread returns to Python, so that Ctrl-C ends it within a second.
-"""
 
 NEAR_SINGULAR = 0.02
 """A pose whose smallest pivot is smaller than this share of the reference pose's is near a singular
@@ -380,12 +377,11 @@ class Core:
             memory, warm = np.empty(self.size), int(guess is not None)
             if guess is not None:
                 self._settle(guess, memory)
-        for first in range(0, len(positions), PIECE):
-            rows = slice(first, first + PIECE)
+        for rows in pieces(len(positions), BLOCK):
             given = positions[rows], second[rows], third[rows], out[rows]
             row = self._answer(question, warm, int(is_path), memory, *given)
             if row >= 0:
-                raise self._no_answer(first + row, memory)
+                raise self._no_answer(rows.start + row, memory)
             # The next piece goes on along the path, or else from the reference, as each block does.
             warm = int(is_path)
         if isinstance(guess, LastPose):

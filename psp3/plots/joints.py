@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from fuzzy2.plots.names import literal
 from psp3.checks import Array, checked_kind, checked_robot
 from psp3.kinematics.tasks import rotating
 from psp3.plots.panels import Panels, checked_result, given_panels
@@ -144,7 +145,7 @@ def _with_unit(name: str, unit: str) -> str:
 
 def _draw(panel: Axes, t: Array, values: Array, names: Sequence[str]) -> None:
     for column, name, dashes in zip(values.T, names, cycle(DASHES)):
-        panel.plot(t, column, label=name, linestyle=dashes)
+        panel.plot(t, column, label=literal(name), linestyle=dashes)
 
 
 def _name(panel: Axes, names: Sequence[str]) -> None:

@@ -1,11 +1,12 @@
-"""Pages of HTML that need nothing else: their style, tables and drawings, every text escaped."""
+"""Pages of HTML that need nothing else: their style, tables and drawings."""
 
 from __future__ import annotations
 
 import base64
 import re
 from collections.abc import Iterable, Sequence
-from html import escape
+
+from fuzzy2.support.markup import Markup, element, joined
 
 STYLE = """
 :root { color-scheme: light dark; --text: #1a1a1a; --ground: #ffffff; --line: #d9d9d9; --soft: \
@@ -38,51 +39,75 @@ nav li { margin: .15rem 0; } nav ul { padding-left: 1.2rem; columns: 2 22rem; fo
 a { color: var(--link); }
 """
 
+POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+"""What a page may do: be looked at. No script runs in it, and it loads nothing."""
+
 NO_BREAK = "\N{NO-BREAK SPACE}"
 
 _UNBROKEN = re.compile(r"\([^()\s]+ to [^()\s]+\)|[\d.]+ (?:%|dB|m²?|(?:to|of|at) [\d.]+)")
 """Parts of a cell that are read as one."""
 
 
-def page(title: str, body: str) -> str:
-    """Return a page with a title and a body of HTML."""
-    return (
-        "<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
-        "content='width=device-width, "
-        f"initial-scale=1'><title>{escape(title)}</title><style>{STYLE}</style></head><body>"
-        f"<main><h1>{escape(title)}</h1>{body}</main></body></html>\n"
+def page(title: str, *content: str) -> Markup:
+    """Return a page with a title and content below it."""
+    head = element(
+        "head",
+        element("meta", charset="utf-8"),
+        element("meta", http_equiv="Content-Security-Policy", content=POLICY),
+        element("meta", name="viewport", content="width=device-width, initial-scale=1"),
+        element("title", title),
+        element("style", Markup(STYLE)),
     )
+    body = element("body", element("main", element("h1", title), *content))
+    return joined([Markup("<!doctype html>"), element("html", head, body, lang="en"), "\n"])
 
 
-def drawing(svg: bytes, caption: str, description: str) -> str:
+def drawing(svg: bytes, caption: str, description: str) -> Markup:
     """Return a drawing with its caption, and with words for those who cannot see it."""
     image = base64.b64encode(svg).decode("ascii")
-    return (
-        "<figure><div class='wide'><img "
-        f"alt='{escape(f'{caption} {description}', quote=True)}' "
-        f"src='data:image/svg+xml;base64,{image}'></div><figcaption>{escape(caption)}"
-        "</figcaption></figure>"
-    )
+    shown = element("img", alt=f"{caption} {description}", src=f"data:image/svg+xml;base64,{image}")
+    return element("figure", element("div", shown, class_="wide"), element("figcaption", caption))
 
 
 def table(
     anchor: str, title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], note: str
-) -> str:
+) -> Markup:
     """Return a table below its heading, to which ``anchor`` leads, and above its note."""
-    head = "".join(f"<th scope='col'>{escape(column)}</th>" for column in columns)
-    body = "".join("<tr>" + "".join(map(_cell, row)) + "</tr>" for row in rows)
-    return (
-        f"<h2 id='{anchor}'>{escape(title)}</h2><div class='wide' tabindex='0' "
-        f"role='region' aria-labelledby='{anchor}'><table><thead><tr>{head}</tr></thead>"
-        f"<tbody>{body}</tbody></table></div><p class='note'>{escape(note)}</p>"
+    head = element("tr", *(element("th", column, scope="col") for column in columns))
+    body = (element("tr", *map(_cell, row)) for row in rows)
+    cells = element("table", element("thead", head), element("tbody", *body))
+    return joined(
+        [
+            element("h2", title, id=anchor),
+            element(
+                "div", cells, class_="wide", tabindex="0", role="region", aria_labelledby=anchor
+            ),
+            note_below(note),
+        ]
     )
 
 
-def _cell(text: str) -> str:
+def listed(texts: Iterable[str], **attributes: str) -> Markup:
+    """Return texts and markup as a list."""
+    return element("ul", *(element("li", text) for text in texts), **attributes)
+
+
+def contents(links: Iterable[tuple[str, str]]) -> Markup:
+    """Return links to anchors of the page, each with its text."""
+    found = (element("a", text, href=f"#{anchor}") for anchor, text in links)
+    return element("nav", listed(found), aria_label="Contents")
+
+
+def note_below(text: str) -> Markup:
+    """Return a note."""
+    return element("p", text, class_="note")
+
+
+def _cell(text: str) -> Markup:
     """Return a cell, whose words wrap, but no number leaves its unit, sign or interval.
 
     Rows of numbers, which two spaces divide, stay as they are.
     """
     if "  " in text:
-        return f"<td class='numbers'>{escape(text)}</td>"
-    return f"<td>{escape(_UNBROKEN.sub(lambda found: found[0].replace(' ', NO_BREAK), text))}</td>"
+        return element("td", text, class_="numbers")
+    return element("td", _UNBROKEN.sub(lambda found: found[0].replace(" ", NO_BREAK), text))

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from fuzzy2.plots.names import literal
 from psp3.checks import Array, checked_kind, known_name
 from psp3.errors import InvalidValue
 from psp3.plots.panels import Panels, given_panels
@@ -65,7 +66,7 @@ def figure_of_sweep(
             marker="o",
             markersize=4.0,
             capsize=3.0,
-            label=name,
+            label=literal(name),
         )
     panel.set(yscale="log", xlabel=label, ylabel="sum of squared errors [m²]")
     panel.legend(ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.0))
@@ -159,10 +160,10 @@ def _draw(panel: Axes, found: Comparison, cases: list[Run], metric: str) -> None
             fmt=MARKERS[number % len(MARKERS)],
             markersize=4.5,
             linewidth=1.2,
-            label=name,
+            label=literal(name),
         )
     panel.set_yscale("log")
     panel.set_xticks(range(len(cases)), [f"{case.payload:g}" for case in cases])
     panel.set_xlim(-0.5, len(cases) - 0.5)
     title = f"{cases[0].trajectory}, {records_in_words(cases[0])}"
-    panel.set_title(title, fontsize="medium")
+    panel.set_title(literal(title), fontsize="medium")

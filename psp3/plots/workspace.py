@@ -21,6 +21,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
+from fuzzy2.plots.names import literal
 from fuzzy2.plots.style import BLUE, GREEN, ORANGE, VERMILLION
 from psp3.checks import Array
 from psp3.errors import InvalidValue
@@ -199,8 +200,8 @@ def _in_drawing_units(poses: KinematicMap, name: str) -> tuple[Array, str]:
     """Return the values of a coordinate in mm or degrees, and its label."""
     label = f"{poses.frame} {name}" if poses.over == "task" else name.replace("_", " ")
     if poses.units[name] == "m":
-        return 1e3 * poses.grid[name], f"{label} [mm]"
-    return np.degrees(poses.grid[name]), f"{label} [degrees]"
+        return 1e3 * poses.grid[name], literal(f"{label} [mm]")
+    return np.degrees(poses.grid[name]), literal(f"{label} [degrees]")
 
 
 def _draw_status(panel: Axes, poses: KinematicMap, x: Array, y: Array) -> None:

@@ -18,7 +18,6 @@ uses the closed form of the 3-PSP, the thesis's natural orthogonal complement or
 from __future__ import annotations
 
 import functools
-import logging
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -27,6 +26,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from fuzzy2.support.logs import logger_named
 from psp3.checks import (
     Array,
     checked_kind,
@@ -90,7 +90,7 @@ FREE = ("lock", "keep", "refuse")
 PRELOAD_TOLERANCE = 1e-7
 """Share of the largest singular value of the actuation matrix up to which one counts as zero."""
 
-logger = logging.getLogger(__name__)
+logger = logger_named(__name__)
 
 
 class ClosedLoopRobot:
@@ -100,6 +100,10 @@ class ClosedLoopRobot:
 
     What Pinocchio computes (frames and their Jacobians) serves one thread at a time, because it is
     computed in one ``data``; everything else serves many. A robot can be pickled and copied.
+
+    Of ``model``, gravity may be changed: it is looked at with every question. Other changes come
+    too late, since its numbers are taken when the robot is made: some answers would know them, and
+    some not. Change the model first, and make a robot of it.
 
     Parameters
     ----------

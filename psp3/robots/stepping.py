@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzzy2.support.compiled import compiled
-from psp3.checks import Array, Indices, checked_count
+from psp3.checks import Array, Indices, checked_steps
 from psp3.drives.drive import Drive, drive_table
 from psp3.drives.kernels import DRY, INERTIA, VISCOUS
 from psp3.dynamics.compiled_robot import (
@@ -369,7 +369,7 @@ class CoreSteps:
     def __init__(
         self, core: Core, motors: Motors, steps: int, drive: Drive | Sequence[Drive]
     ) -> None:
-        self._core, self._motors, self.steps = core, motors, checked_count("steps", steps)
+        self._core, self._motors, self.steps = core, motors, checked_steps(steps)
         self._driven = driven = motors.driven(drive_table(drive, len(motors.names)))
         self.drives = driven.coordinates.copy()
         is_elsewhere = driven.follows[driven.elsewhere[:, DRY] > 0.0]

@@ -19,9 +19,9 @@ from numpy.typing import ArrayLike
 from psp3.checks import (
     Array,
     as_floats,
-    checked_count,
     checked_positive,
     checked_robot,
+    checked_steps,
     one_row,
 )
 from psp3.drives.drive import NO_DRIVE, Drive, drive_table
@@ -80,7 +80,7 @@ class MuJoCo:
     ) -> None:
         checked_robot(robot)
         self._engine = mujoco = _mujoco()
-        self._robot, self._steps = robot, checked_count("steps", steps)
+        self._robot, self._steps = robot, checked_steps(steps)
         m = len(robot.actuated)
         table = drive_table(drive, m)
         self.model = model = mujoco.MjModel.from_xml_string(to_mjcf(robot))
@@ -120,6 +120,13 @@ class MuJoCo:
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
         # What follows from inertia, and is kept in the model, knows of the motors only now.
         mujoco.mj_setConst(model, self.data)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_engine": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._engine = _mujoco()
 
     @property
     def gap(self) -> float:

@@ -21,6 +21,13 @@ from psp3.trajectories.motion import Motion
 FORMAT = "psp3-result-2"
 """Written into every result file; a file with another mark is refused."""
 
+_UNREADABLE = (
+    *(OSError, ValueError, EOFError, AttributeError, zipfile.BadZipFile, zlib.error),
+    # of zipfile: a way of packing that it does not know, and encrypted members
+    *(NotImplementedError, RuntimeError),
+)
+"""What reading a damaged archive raises."""
+
 JOINTS = -1
 """Stands for the number of actuated joints in a shape."""
 
@@ -137,7 +144,7 @@ def load_result(path: str | Path) -> Result:
         with path.open("rb") as file:
             archive = np.load(file, allow_pickle=False)
             content = {name: archive[name] for name in archive.files}
-    except (OSError, ValueError, EOFError, AttributeError, zipfile.BadZipFile, zlib.error) as error:
+    except _UNREADABLE as error:
         raise InvalidResultFile(
             path, f"is not a whole result file ({getattr(error, 'strerror', None) or error})"
         ) from error

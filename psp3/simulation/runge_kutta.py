@@ -22,7 +22,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from psp3.checks import Array, checked_count
+from psp3.checks import Array, checked_steps
 from psp3.drives.drive import NO_DRIVE, Drive
 from psp3.robots.robot import Robot
 from psp3.simulation.plant import NO_POSE, DrivenPlant
@@ -75,7 +75,7 @@ class FixedSteps(DrivenPlant):
 
     def __init__(self, robot: Robot, steps: int, drive: Drive | Sequence[Drive]) -> None:
         super().__init__(robot, drive)
-        self._steps = checked_count("steps", steps)
+        self._steps = checked_steps(steps)
         self._places, self._rows = np.arange(self._positions), np.arange(self._joints)
         self.q, self.v = np.zeros(self._positions), np.zeros(self._joints)
 

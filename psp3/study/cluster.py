@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import math
 import socket
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import CancelledError, Executor, ThreadPoolExecutor
+from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from typing import Any
 from urllib.parse import urlsplit
@@ -23,6 +22,9 @@ PATIENCE = 30.0
 
 FIRST_WORKER = 5.0
 """How long to wait for the first worker of a scheduler that has answered [s]."""
+
+SILENCE = 60.0
+"""How long a scheduler may give no answer until it counts as lost [s]."""
 
 ASKED_AGAIN = 5.0
 """How old the number of threads of a cluster may be until its scheduler is asked anew [s]."""
@@ -114,27 +116,34 @@ def _quiet() -> Iterator[None]:
 class _Capacity:
     """How many runs a cluster does at a time.
 
-    Workers come and go, so its scheduler is asked now and then.
+    Workers come and go, so its scheduler is asked now and then; nobody waits for the answer, since
+    results are to be kept meanwhile.
 
-    Raises ``CancelledError`` when the connection is gone for good.
+    Raises ``CancelledError`` when the connection is gone for good, or the scheduler is silent.
     """
 
     def __init__(self, client: Any) -> None:
-        self._client, self._last, self._asked = client, 1, -math.inf
+        self._client = client
+        self._last: int = sum(client.nthreads().values())
+        self._asked = self._answered = time.monotonic()
+        self._answer: Future[dict[str, int]] | None = None
 
     def __call__(self) -> int:
         if self._client.status == "closed":
             raise CancelledError
-        if time.monotonic() - self._asked > ASKED_AGAIN:
+        now = time.monotonic()
+        if self._answer is not None and self._answer.done():
             # A client that cannot reach its scheduler tries again for a while, and then cancels its
             # runs and closes itself.
             with suppress(OSError):
-                self._last = sum(
-                    self._client.sync(
-                        self._client.scheduler.ncores, callback_timeout=PATIENCE
-                    ).values()
-                )
-            self._asked = time.monotonic()
+                self._last, self._answered = sum(self._answer.result().values()), now
+            self._answer, self._asked = None, now
+        if self._answer is None and now - self._asked > ASKED_AGAIN:
+            self._answer = asyncio.run_coroutine_threadsafe(
+                self._client.scheduler.ncores(), self._client.loop.asyncio_loop
+            )
+        if now - self._answered > SILENCE:
+            raise CancelledError
         return self._last
 
 

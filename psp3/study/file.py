@@ -8,6 +8,9 @@ What the file promises, and how:
   that a copy of the first forgets. So half a second of work is lost at worst, and is done again.
 * A row is there whole or not at all, and has a checksum of its setting, seed and metrics, which is
   verified when the row is read: a bit that fell over on the disk is an error that names the run.
+* How many rows there are is a note of the file, which its own triggers keep, so a page that is lost
+  or that is there twice is an error, too.
+* A file that is deleted or replaced while a study writes to it ends the study.
 * A row is decided by its run alone. Settings, which are all fields of a run but the seed, are in a
   table of their own, and no times or worker names are anywhere, so studies that were interrupted
   and studies that were not end with the same rows. The view ``results`` shows both in one.
@@ -31,7 +34,7 @@ import sqlite3
 import stat
 import time
 import zlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
@@ -56,7 +59,7 @@ from psp3.study.keys import (
 from psp3.study.run import METRICS, Run, Value, field_types
 from psp3.study.table import Table
 
-FORMAT = 2
+FORMAT = 3
 """Version of the file's layout (SQLite's ``user_version``); any other is refused."""
 
 APPLICATION = int.from_bytes(b"PSP3", "big")
@@ -71,6 +74,14 @@ leaves the other half to the disk.
 
 PATIENCE = 30.0
 """How long to wait for another program that has locked the database for a moment [s]."""
+
+_NOTES = {"package_version": str, "fields": list, "metrics": list, "shared": dict, "runs": int}
+"""What is known of the file as a whole, in the table ``meta``, and of which kind it is."""
+
+_TRIGGERS = {"added": ("INSERT", "+"), "removed": ("DELETE", "-")}
+"""What keeps the number of rows, also when somebody deletes one with SQLite's own tools."""
+
+_ANEW = "take a copy of it from before, or give another file, in which its runs are done anew"
 
 _ROW = np.dtype([("seed", "<i8"), ("metrics", "<f8", (len(METRICS),))])
 """What a checksum is of, after the setting's key."""
@@ -132,7 +143,7 @@ class StudyFile:
         with self._reading() as connection:
             if _is_empty(connection):
                 raise InvalidStudyFile(self.path, "holds no results yet")
-            self._check(connection)
+            count = self._check(connection)["runs"]
             identities, keys, settings = self._settings(connection)
             whole, metrics = self._columns(connection, identities, settings)
         number_of = {identity: k for k, identity in enumerate(identities)}
@@ -149,6 +160,10 @@ class StudyFile:
         wrong = np.flatnonzero(np.array(found, dtype=np.int64) != whole[:, 2])
         if wrong.size:
             raise self._damaged(table.run(int(wrong[0])), whole[wrong[0]], len(wrong))
+        if not _are_in_order(whole[:, 0], whole[:, 1]):
+            reason = f"is damaged: rows are there twice, or not in their order; {_ANEW}"
+            raise InvalidStudyFile(self.path, reason)
+        self.check_count(len(whole), count)
         return table.in_order()
 
     def _settings(
@@ -181,8 +196,8 @@ class StudyFile:
         cursor = connection.execute(f"SELECT setting, seed, checksum, {columns} FROM runs")
         whole, metrics = [np.empty((0, 3), np.int64)], [np.empty((0, len(METRICS)))]
         while rows := cursor.fetchmany(AT_A_TIME):
-            if not _are_numbers(itertools.chain.from_iterable(rows)):
-                row = next(row for row in rows if not _are_numbers(row))
+            if not _are_numbers(rows):
+                row = next(row for row in rows if not _are_numbers([row]))
                 raise self._no_numbers(row, dict(zip(identities, settings, strict=True)))
             whole.append(np.array([row[:3] for row in rows], dtype=np.int64))
             metrics.append(np.array([row[3:] for row in rows], dtype=float))
@@ -204,8 +219,8 @@ class StudyFile:
         return InvalidStudyFile(
             self.path,
             f"is damaged: the row of {name} holds something else than numbers; delete it and run "
-            f"the study again, which does that run anew (DELETE FROM runs WHERE setting = "
-            f"{setting!r} AND seed = {seed!r})",
+            f"the study again, which does that run anew (DELETE FROM runs WHERE setting IS "
+            f"{literal(setting)} AND seed IS {literal(seed)})",
         )
 
     def _damaged(self, run: Run, whole: NDArray[np.int64], count: int) -> InvalidStudyFile:
@@ -216,6 +231,16 @@ class StudyFile:
             f"study again, which does that run anew (DELETE FROM runs WHERE setting = {whole[0]} "
             f"AND seed = {whole[1]})",
         )
+
+    def check_count(self, found: int, written: int) -> None:
+        """Raise InvalidStudyFile if a file does not hold as many rows as were written."""
+        if found != written:
+            raise InvalidStudyFile(
+                self.path,
+                f"is damaged: it holds {found} rows, and {written} were written; {_ANEW}, or say "
+                f"that these are all and run the study again, which does the lost ones anew "
+                f"(UPDATE meta SET value = {found} WHERE name = 'runs')",
+            )
 
     @contextmanager
     def adding(self) -> Iterator[Additions]:
@@ -233,7 +258,7 @@ class StudyFile:
             If the file cannot be used.
         """
         self._check_permissions()
-        with self._locked(), self._writing() as connection:
+        with self._locked() as lock, self._writing() as connection:
             with _transaction(connection):
                 if _is_empty(connection) or _has_no_results(connection):
                     self._create(connection)
@@ -243,7 +268,7 @@ class StudyFile:
                 # A write that changes nothing: a disk that is full, or a directory that takes no
                 # journal, is found out now.
                 connection.execute("UPDATE meta SET value = value")
-            additions = Additions(connection, self)
+            additions = Additions(connection, self, {**lock, self.path: self.path.stat()})
             try:
                 yield additions
             finally:
@@ -269,7 +294,7 @@ class StudyFile:
             # rolled back before anyone reads.
             with self._connected("rw") as connection:
                 yield connection
-        except sqlite3.Error as error:
+        except (sqlite3.Error, UnicodeDecodeError) as error:
             raise InvalidStudyFile(
                 self.path, f"is not the file of a study, or cannot be read ({error})"
             ) from error
@@ -280,10 +305,10 @@ class StudyFile:
             with self._connected("rwc") as connection:
                 connection.execute("PRAGMA synchronous = FULL")
                 yield connection
-        except sqlite3.Error as error:
+        except (sqlite3.Error, UnicodeDecodeError) as error:
             raise self.translated(error) from error
 
-    def translated(self, error: sqlite3.Error, kept: int = 0) -> PSP3Error:
+    def translated(self, error: Exception, kept: int = 0) -> PSP3Error:
         """Return our error for one of SQLite's while writing.
 
         ``kept`` is how many results are in the file.
@@ -348,11 +373,17 @@ class StudyFile:
             "package_version": __version__,
             **self._layout(),
             "shared": dict(self._shared or {}),
+            "runs": 0,
         }
         connection.executemany(
             "INSERT INTO meta VALUES (?, ?)",
             [(name, json.dumps(value)) for name, value in notes.items()],
         )
+        for name, (event, sign) in _TRIGGERS.items():
+            connection.execute(
+                f"CREATE TRIGGER {name} AFTER {event} ON runs BEGIN "
+                f"UPDATE meta SET value = value {sign} 1 WHERE name = 'runs'; END"
+            )
         connection.execute(f"PRAGMA application_id = {APPLICATION}")
         connection.execute(f"PRAGMA user_version = {FORMAT}")
 
@@ -363,14 +394,20 @@ class StudyFile:
             "metrics": list(METRICS),
         }
 
-    @staticmethod
-    def _notes(connection: sqlite3.Connection) -> dict[str, Any]:
-        return {
-            name: json.loads(value)
-            for name, value in connection.execute("SELECT name, value FROM meta")
-        }
+    def _notes(self, connection: sqlite3.Connection) -> dict[str, Any]:
+        notes = {}
+        for name, value in connection.execute("SELECT name, value FROM meta"):
+            with suppress(TypeError, ValueError, RecursionError):
+                notes[name] = json.loads(value)
+        for name, kind in _NOTES.items():
+            if type(notes.get(name)) is not kind:
+                raise InvalidStudyFile(
+                    self.path, f"is damaged: its note of {name} is not what was written; {_ANEW}"
+                )
+        return notes
 
-    def _check(self, connection: sqlite3.Connection) -> None:
+    def _check(self, connection: sqlite3.Connection) -> dict[str, Any]:
+        """Return the notes of a file that is one of ours."""
         (application,), (version,) = (
             connection.execute(f"PRAGMA {name}").fetchone()
             for name in ("application_id", "user_version")
@@ -401,8 +438,10 @@ class StudyFile:
                 )
         if self._shared is not None and not _has_no_results(connection):
             for name, value in self._shared.items():
-                if notes["shared"][name] != value:
-                    raise StudyMismatch(self.path, f"{name} [s]", notes["shared"][name], value)
+                if notes["shared"].get(name) != value:
+                    found = notes["shared"].get(name)
+                    raise StudyMismatch(self.path, f"{name} [s]", found, value)
+        return notes
 
     def _check_package(self, connection: sqlite3.Connection) -> None:
         from psp3.version import __version__
@@ -413,8 +452,8 @@ class StudyFile:
             raise StudyMismatch(self.path, "version of psp3", version, __version__)
 
     @contextmanager
-    def _locked(self) -> Iterator[None]:
-        """Hold the lock, a file beside the results.
+    def _locked(self) -> Iterator[dict[Path, os.stat_result]]:
+        """Hold the lock, a file beside the results, and yield its path with which file it is.
 
         SQLite's own locks on a database drop when any handle on it is closed.
         """
@@ -433,18 +472,18 @@ class StudyFile:
                 os.close(handle)
                 raise StudyInUse(self.path, holder) from None
             # Between our opening and locking it, its holder may have ended and removed it.
-            with suppress(FileNotFoundError):
-                if os.path.samestat(os.fstat(handle), path.stat()):
-                    break
+            if is_still(path, os.fstat(handle)):
+                break
             os.close(handle)
         try:
             # who holds it is for the reader of a message; the lock is what counts
             with suppress(OSError):
                 os.ftruncate(handle, 0)
                 os.write(handle, f"process {os.getpid()} on {socket.gethostname()}".encode())
-            yield
+            yield {path: os.fstat(handle)}
         finally:
-            path.unlink(missing_ok=True)
+            if is_still(path, os.fstat(handle)):
+                path.unlink(missing_ok=True)
             os.close(handle)
 
 
@@ -457,6 +496,8 @@ class Additions:
         Connection in autocommit mode.
     file : StudyFile
         What it belongs to.
+    held : mapping of Path to os.stat_result
+        Which files must stay where they are: this one and its lock.
 
     Attributes
     ----------
@@ -466,10 +507,16 @@ class Additions:
         Number of runs that are in it.
     """
 
-    def __init__(self, connection: sqlite3.Connection, file: StudyFile) -> None:
-        self._connection, self._file = connection, file
+    def __init__(
+        self,
+        connection: sqlite3.Connection,
+        file: StudyFile,
+        held: Mapping[Path, os.stat_result],
+    ) -> None:
+        self._connection, self._file, self._held = connection, file, held
         self.keys, self._numbers = _read_keys(connection)
         self.committed = len(self.keys)
+        file.check_count(self.committed, _count(connection))
         self._waiting: list[tuple[Run, tuple[float, ...]]] = []
         self._since = math.inf
 
@@ -490,8 +537,10 @@ class Additions:
         Raises
         ------
         StudyFileNotWritable
-            If the disk is full, for example; everything committed before stays.
+            If the disk is full, for example; everything committed before stays. Or if the file is
+            not where it was any more.
         """
+        self._check_place()
         for run, found in results:
             self._waiting.append((run, tuple(found[name] for name in METRICS)))
         if self._waiting and self._since == math.inf:
@@ -509,6 +558,7 @@ class Additions:
         """
         if not self._waiting:
             return
+        self._check_place()
         # An interrupt may come at any line. What waits is forgotten when it is committed, and what
         # is committed twice does no harm.
         results = list(self._waiting)
@@ -520,7 +570,6 @@ class Additions:
             with _transaction(self._connection):
                 numbers = self._numbered(dict(zip(keys, settings, strict=True)))
                 places = ", ".join("?" * (len(METRICS) + 3))
-                before = self._connection.total_changes
                 self._connection.executemany(
                     f"INSERT OR IGNORE INTO runs VALUES ({places})",
                     [
@@ -528,13 +577,28 @@ class Additions:
                         for name, (run, values), checksum in zip(keys, results, sums, strict=True)
                     ],
                 )
-                added = self._connection.total_changes - before
+                committed = _count(self._connection)
         except sqlite3.Error as error:
             self._forget(len(results))
+            # SQLite calls a file read-only whose name is gone.
+            self._check_place()
             raise self._file.translated(error, self.committed) from error
-        self.committed += added
+        self.committed = committed
         self._numbers = numbers
         self._forget(len(results))
+        # Again, for an open file takes rows though its name is gone.
+        self._check_place()
+
+    def _check_place(self) -> None:
+        for path, status in self._held.items():
+            if not is_still(path, status):
+                # What the open file still takes is nowhere when it is closed.
+                self._forget(len(self._waiting))
+                raise StudyFileNotWritable(
+                    self._file.path,
+                    f"{path.name} was deleted or replaced while the study was running; put it back "
+                    "and run the study again, which otherwise does all its runs anew",
+                )
 
     def _forget(self, count: int) -> None:
         del self._waiting[:count]
@@ -568,8 +632,43 @@ def _read_keys(connection: sqlite3.Connection) -> tuple[Keys, dict[bytes, int]]:
     return as_keys(content), {name: number for number, name in by_number.items()}
 
 
-def _are_numbers(values: Iterable[object]) -> bool:
-    return set(map(type, values)) <= {int, float, type(None)}
+def _count(connection: sqlite3.Connection) -> int:
+    """Return how many rows a file says that it holds."""
+    (text,) = connection.execute("SELECT value FROM meta WHERE name = 'runs'").fetchone()
+    return int(text)
+
+
+def _are_numbers(rows: Sequence[tuple[object, ...]]) -> bool:
+    """Tell whether rows are three integers and numbers, of which NULL is one."""
+    columns = tuple(zip(*rows, strict=True))
+    of_whole, of_metrics = (
+        set(map(type, itertools.chain.from_iterable(part))) for part in (columns[:3], columns[3:])
+    )
+    return of_whole <= {int} and of_metrics <= {int, float, type(None)}
+
+
+def _are_in_order(settings: NDArray[np.int64], seeds: NDArray[np.int64]) -> bool:
+    """Tell whether rows come as their table keeps them, by setting and seed, each once."""
+    further = settings[1:] > settings[:-1]
+    same = settings[1:] == settings[:-1]
+    return bool((further | (same & (seeds[1:] > seeds[:-1]))).all())
+
+
+def literal(value: object) -> str:
+    """Return a value of a damaged file as SQLite's own tools take it."""
+    if isinstance(value, bytes):
+        return f"x'{value.hex()}'"
+    if isinstance(value, str):
+        return "'" + value.replace("'", "''") + "'"
+    return "NULL" if value is None else repr(value).replace("inf", "9e999")
+
+
+def is_still(path: Path, status: os.stat_result) -> bool:
+    """Tell whether a path still leads to this file."""
+    try:
+        return os.path.samestat(path.stat(), status)
+    except OSError:
+        return False
 
 
 @contextmanager

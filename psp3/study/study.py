@@ -25,15 +25,8 @@ import itertools
 import os
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    CancelledError,
-    Executor,
-    Future,
-    ThreadPoolExecutor,
-    wait,
-)
-from contextlib import contextmanager
+from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from fuzzy2.support.one_thread import one_thread
@@ -43,9 +36,11 @@ from psp3.errors import InvalidValue, RunsFailed, SchedulerUnavailable, StudyInt
 from psp3.study import cluster
 from psp3.study.execution import execute
 from psp3.study.file import Additions, StudyFile
+from psp3.study.interrupts import Interrupts, noted_interrupts
 from psp3.study.keys import Runs
 from psp3.study.run import METRICS, Run, Value, contents, field_types
 from psp3.study.table import Table
+from psp3.study.under_way import UnderWay
 
 MOST_FAILURES = 10
 """After so many failed runs a study hands out no more: something is wrong with all of them."""
@@ -128,47 +123,45 @@ class Study:
         RunsFailed
             At the end, if runs raised errors; the results of the others are kept.
         StudyInterrupted
-            After Ctrl-C; a :class:`KeyboardInterrupt`.
+            After Ctrl-C, at whatever moment; a :class:`KeyboardInterrupt`. Runs that have begun
+            are finished and kept.
         """
-        if workers is not None and (
-            isinstance(workers, bool) or not isinstance(workers, int) or workers < 1
-        ):
-            raise InvalidValue("workers", workers, "a positive integer")
         if scheduler is not None:
             checked_kind("scheduler", scheduler, str, "an address, tcp://host:port")
         if progress is not None:
             checked_function("progress", progress)
-        if workers is not None and scheduler is not None:
-            raise InvalidValue("workers", workers, "left out where a scheduler has its own")
+        _check_workers(workers, scheduler)
         if self.runs is None:
             raise InvalidValue(
                 "runs",
                 None,
                 "given to the study that is to do them; without them it only reads its file",
             )
-        with self._file.adding() as additions:
-            places = self.runs.missing(additions.keys)
-            missing = map(self.runs.__getitem__, places)
-            session = _Session(additions, missing, len(self.runs), len(places), progress)
-            session.report()
-            if not len(places):
-                return 0
-            try:
-                with (
-                    _threads(workers) if scheduler is None else cluster.connected(scheduler) as (
-                        executor,
-                        count_workers,
-                    )
-                ):
-                    session.work(executor, count_workers)
-            except KeyboardInterrupt:
-                raise StudyInterrupted(self.path, session.done, session.total) from None
-            except CancelledError as error:
-                reason = (
-                    f"the connection was lost after {session.done} of {session.total} runs; they "
-                    f"are in {self.path}, run the study again"
-                )
-                raise SchedulerUnavailable(str(scheduler), reason) from error
+        under_way: UnderWay[Run, Mapping[str, float]] = UnderWay()
+        session: _Session | None = None
+        try:
+            with (
+                noted_interrupts(under_way.wake) as interrupts,
+                self._file.adding() as additions,
+            ):
+                with interrupts.obeyed_at_once():
+                    places = self.runs.missing(additions.keys)
+                session = _Session(additions, under_way, len(self.runs), len(places), progress)
+                session.report()
+                if len(places):
+                    missing = map(self.runs.__getitem__, places)
+                    with _workers(workers, scheduler, interrupts) as (executor, count_workers):
+                        session.work(missing, executor, count_workers, interrupts)
+        except KeyboardInterrupt:
+            done = 0 if session is None else session.done
+            raise StudyInterrupted(self.path, done, len(self.runs)) from None
+        except CancelledError as error:
+            done = 0 if session is None else session.done
+            reason = (
+                f"the connection was lost after {done} of {len(self.runs)} runs; they "
+                f"are in {self.path}, run the study again"
+            )
+            raise SchedulerUnavailable(str(scheduler), reason) from error
         if session.failures:
             failures = [
                 (run, f"{type(error).__name__}: {' '.join(str(error).split())}")
@@ -224,7 +217,7 @@ class Study:
         ------
         InvalidValue
             If it is the study's own file.
-        OSError
+        fuzzy2.errors.FileNotWritten
             If it cannot be written.
         """
         path = checked_path("path", path)
@@ -273,22 +266,41 @@ def _threads(workers: int | None) -> Iterator[tuple[Executor, Callable[[], int]]
         yield executor, lambda: count
 
 
+def _check_workers(workers: int | None, scheduler: str | None) -> None:
+    if workers is not None and (
+        isinstance(workers, bool) or not isinstance(workers, int) or workers < 1
+    ):
+        raise InvalidValue("workers", workers, "a positive integer")
+    if workers is not None and scheduler is not None:
+        raise InvalidValue("workers", workers, "left out where a scheduler has its own")
+
+
+@contextmanager
+def _workers(
+    workers: int | None, scheduler: str | None, interrupts: Interrupts
+) -> Iterator[tuple[Executor, Callable[[], int]]]:
+    """Yield who does the runs, and what tells how many of them at a time."""
+    with ExitStack() as stack:
+        with interrupts.obeyed_at_once():
+            them = _threads(workers) if scheduler is None else cluster.connected(scheduler)
+            found = stack.enter_context(them)
+        yield found
+
+
 class _Session:
     """One call of :meth:`Study.run`: what is to be done, under way, done, and failed."""
 
     def __init__(
         self,
         additions: Additions,
-        missing: Iterator[Run],
+        under_way: UnderWay[Run, Mapping[str, float]],
         total: int,
         wanted: int,
         progress: Progress | None,
     ) -> None:
         self.total = total
         self.failures: dict[Run, BaseException] = {}
-        self._additions, self._progress = additions, progress
-        self._waiting = missing
-        self._under_way: dict[Future[Mapping[str, float]], Run] = {}
+        self._additions, self._under_way, self._progress = additions, under_way, progress
         self._there_before, self._in_file_before = total - wanted, additions.committed
         self._start = time.monotonic()
 
@@ -305,37 +317,41 @@ class _Session:
                 self.done, self.total, now / (time.monotonic() - self._start) if now else 0.0
             )
 
-    def work(self, executor: Executor, count_workers: Callable[[], int]) -> None:
+    def work(
+        self,
+        missing: Iterator[Run],
+        executor: Executor,
+        count_workers: Callable[[], int],
+        interrupts: Interrupts,
+    ) -> None:
         """Hand out runs and keep their results until none are left, or too many failed."""
         try:
             while True:
+                with interrupts.obeyed_at_once():
+                    workers = max(1, count_workers())
                 room = (
-                    HANDED_OUT * max(1, count_workers()) - len(self._under_way)
+                    HANDED_OUT * workers - len(self._under_way)
                     if len(self.failures) < MOST_FAILURES
                     else 0
                 )
-                for run in itertools.islice(self._waiting, max(0, room)):
-                    self._under_way[executor.submit(execute, run)] = run
+                for run in itertools.islice(missing, max(0, room)):
+                    self._under_way.hand_out(executor, run, execute, run)
                 if not self._under_way:
                     return
                 # Not without end: with bad luck dask tells nobody that it has lost its scheduler,
                 # and count_workers finds it out.
-                patience = min(LOOK_UP, self._additions.due())
-                finished = wait(self._under_way, patience, FIRST_COMPLETED).done
+                finished = self._under_way.finished(min(LOOK_UP, self._additions.due()))
                 self._keep(finished)
                 if finished:
                     self.report()
         except KeyboardInterrupt:
             # What has begun here cannot be stopped, but is soon done, and is kept.
-            self._cancel()
-            self._keep(wait(self._under_way).done)
+            self._under_way.cancel()
+            while self._under_way:
+                self._keep(self._under_way.finished())
             raise
         finally:
-            self._cancel()
-
-    def _cancel(self) -> None:
-        for future in [future for future in self._under_way if future.cancel()]:
-            del self._under_way[future]
+            self._under_way.cancel()
 
     def _keep(self, finished: Iterable[Future[Mapping[str, float]]]) -> None:
         """Keep results: they are committed with those that come soon after them."""
@@ -351,9 +367,8 @@ class _Session:
             else:
                 self.failures[run] = error
         self._additions.add(results)
-        # Only now: an interrupt may come at any line, and what is not committed must then be found
-        # under way. What is found there although it is committed does no harm.
+        # Only now: what is not committed must be found under way, whatever comes between.
         for future in finished:
-            del self._under_way[future]
+            self._under_way.take(future)
         if lost:
             raise CancelledError

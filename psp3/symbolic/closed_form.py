@@ -41,9 +41,20 @@ class SymbolicPSP3:
             raise InvalidValue("robot", robot, wanted)
         self.robot = robot
         self._parameters = piece_of(table.parameters)
+        self._name_symbols()
+
+    def _name_symbols(self) -> None:
         self._interpreter = Interpreter()
         self._heights, self._speeds = SX.sym("heights", 3), SX.sym("speeds", 3)
         self._accelerations, self._forces = SX.sym("accelerations", 3), SX.sym("forces", 3)
+
+    def __getstate__(self) -> dict[str, Any]:
+        # CasADi pickles no symbols; functions of them are made again when they are asked for.
+        return {name: self.__dict__[name] for name in ("robot", "_parameters")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._name_symbols()
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.robot.title})"

@@ -114,11 +114,23 @@ class SymbolicRobot:
         self._tree, self._numbers = piece_of(tables.tree), piece_of(tables.numbers)
         self._start, self._counts = tables.memory, tables.tree
         self.joints = int(self._counts[tree.INDEPENDENT])
+        self._name_symbols()
+
+    def _name_symbols(self) -> None:
         self._interpreter = Interpreter()
-        self._q = SX.sym("q", robot.model.nq)
+        self._q = SX.sym("q", self.robot.model.nq)
         self._speeds = SX.sym("speeds", self.joints)
         self._accelerations = SX.sym("accelerations", self.joints)
         self._forces = SX.sym("forces", self.joints)
+
+    def __getstate__(self) -> dict[str, Any]:
+        # CasADi pickles no symbols; functions of them are made again when they are asked for.
+        kept = ("robot", "_tree", "_numbers", "_start", "_counts", "joints")
+        return {name: self.__dict__[name] for name in kept}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._name_symbols()
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.robot.title})"

@@ -18,6 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 
+from fuzzy2.plots.names import literal
 from psp3.errors import InvalidValue, UnknownName
 from psp3.fuzzy_control.records import Record
 from psp3.plots.control import (
@@ -287,7 +288,7 @@ def figure_64(
             marker="o",
             markersize=5.0,
             capsize=3.0,
-            label=name,
+            label=literal(name),
         )
     if printed:
         panel.plot(

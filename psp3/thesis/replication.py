@@ -18,7 +18,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 
 from fuzzy2.support.plain_data import plain
-from fuzzy2.support.text_files import write_text
+from fuzzy2.support.text_files import made_folder, write_text
 from psp3.errors import InvalidValue
 from psp3.fuzzy_control.records import record
 from psp3.loading import load
@@ -81,7 +81,7 @@ def reproduce(
     ------
     InvalidValue
         If ``seeds`` is not a whole number of at least 1.
-    OSError
+    fuzzy2.errors.FileNotWritten
         If the directory cannot be written to; before anything is computed.
     InvalidStudyFile, StudyMismatch, StudyInUse
         If ``study.sqlite`` there is of another version, damaged or in use; before anything is
@@ -92,7 +92,7 @@ def reproduce(
     if isinstance(seeds, bool) or not isinstance(seeds, int) or seeds < 1:
         raise InvalidValue("seeds", seeds, "a whole number of at least 1")
     directory = Path(out)
-    (directory / "figures").mkdir(parents=True, exist_ok=True)
+    made_folder(directory / "figures")
     # Nothing is left behind, and no file of the user's is taken for ours.
     TemporaryFile(dir=directory).close()
 

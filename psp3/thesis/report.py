@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-from html import escape
 from pathlib import Path
 
+from fuzzy2.support.markup import Markup, element, joined
 from fuzzy2.support.text_files import write_text
-from psp3.plots.page import drawing, page, table
+from psp3.plots.page import contents, drawing, listed, note_below, page, table
 from psp3.thesis.findings import Drawing, Reproduction, Table
 
 TITLE = "3-PSP robot: the thesis's comparison, recomputed"
 
+ANIMATION = "animation.html"
+"""The page beside the report."""
 
-def _figure(found: Drawing) -> str:
+
+def _figure(found: Drawing) -> Markup:
     return drawing(found.path.read_bytes(), found.caption, found.description)
 
 
-def _table(number: int, found: Table, drawings: dict[str, Drawing]) -> str:
-    figures = "".join(_figure(drawings[name]) for name in found.figures if name in drawings)
-    return table(f"table-{number}", found.title, found.columns, found.rows, found.note) + figures
+def _table(number: int, found: Table, drawings: dict[str, Drawing]) -> Markup:
+    shown = table(f"table-{number}", found.title, found.columns, found.rows, found.note)
+    figures = (_figure(drawings[name]) for name in found.figures if name in drawings)
+    return joined([shown, *figures])
 
 
 def write_report(outcome: Reproduction, path: Path) -> Path:
@@ -38,20 +42,20 @@ def write_report(outcome: Reproduction, path: Path) -> Path:
     """
     drawings = {found.name: found for found in outcome.drawings}
     placed = {name for found in outcome.tables for name in found.figures}
-    rest = "".join(_figure(found) for name, found in drawings.items() if name not in placed)
+    rest = (_figure(found) for name, found in drawings.items() if name not in placed)
     animation = (
-        "<p>The robot in motion, type-1 beside type-2, with desired and actual paths of the tip: "
-        "<a href='animation.html'>animation.html</a>, in the same folder.</p>"
-        if any(file.name == "animation.html" for file in outcome.files)
+        element(
+            "p",
+            "The robot in motion, type-1 beside type-2, with desired and actual paths of the tip: ",
+            element("a", ANIMATION, href=ANIMATION),
+            ", in the same folder.",
+        )
+        if any(file.name == ANIMATION for file in outcome.files)
         else ""
     )
-    answer = "".join(f"<li>{escape(sentence)}</li>" for sentence in outcome.answer)
-    contents = "".join(
-        f"<li><a href='#table-{number}'>{escape(found.title)}</a></li>"
-        for number, found in enumerate(outcome.tables)
-    )
+    links = [(f"table-{number}", found.title) for number, found in enumerate(outcome.tables)]
     opening, tables = (
-        "".join(
+        joined(
             _table(number, found, drawings)
             for number, found in enumerate(outcome.tables)
             if found.opening == first
@@ -61,12 +65,18 @@ def write_report(outcome: Reproduction, path: Path) -> Path:
     versions = ", ".join(
         f"{name} {number}" for name, number in outcome.numbers.get("versions", {}).items()
     )
-    body = (
-        f"{opening}<ul class='answer'>{answer}</ul>{animation}<nav "
-        f"aria-label='Contents'><ul>{contents}<li><a "
-        f"href='#figures'>Figures</a></li></ul></nav>{tables}<h2 "
-        f"id='figures'>Figures</h2>{rest}<p class='note'>Computed with {escape(versions)}. All "
-        "numbers are in results.json, all runs in study.sqlite.</p>"
+    text = page(
+        TITLE,
+        opening,
+        listed(outcome.answer, class_="answer"),
+        animation,
+        contents([*links, ("figures", "Figures")]),
+        tables,
+        element("h2", "Figures", id="figures"),
+        *rest,
+        note_below(
+            f"Computed with {versions}. All numbers are in results.json, all runs in study.sqlite."
+        ),
     )
-    write_text(page(TITLE, body), path)
+    write_text(text, path)
     return path

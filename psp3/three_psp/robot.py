@@ -93,7 +93,8 @@ class PSP3(ClosedLoopRobot):
 
     Every method takes leading batch dimensions, and any heights whose three arm lengths come out
     positive. The stroke of the screws, ``stroke``, is the business of trajectories and of the
-    simulation.
+    simulation. Another robot has other ``parameters``; changes of ``model``, of gravity too, come
+    too late.
 
     Parameters
     ----------

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fuzzy2.support.compiled import compiled
-from psp3.checks import Array, checked_count
+from psp3.checks import Array, checked_steps
 from psp3.drives.drive import Drive, drive_table
 from psp3.drives.kernels import INERTIA, VISCOUS
 from psp3.dynamics.compiled_robot import advance as advance_any
@@ -168,7 +168,7 @@ class ClosedFormSteps:
     """
 
     def __init__(self, parameters: Array, steps: int, drive: Drive | Sequence[Drive]) -> None:
-        self.robot, self.steps = closed_form_table(parameters), checked_count("steps", steps)
+        self.robot, self.steps = closed_form_table(parameters), checked_steps(steps)
         drives = drive_table(drive, 3)
         self.drives = drives if drives.any() else drives[:0]
         self.state = np.zeros(6)

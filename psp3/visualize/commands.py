@@ -12,6 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from psp3.errors import InvalidValue
+
 _NUMPY_TYPES = {0x12: np.uint8, 0x15: np.int32, 0x16: np.uint32, 0x17: np.float32}
 """Types of the arrays in MeshCat's commands, by their MessagePack code."""
 
@@ -36,9 +38,21 @@ class DrawingCommands:
         """Take a command, which reaches every subscriber.
 
         It replaces an earlier one to the same effect.
+
+        Raises
+        ------
+        InvalidValue
+            If a number in it is not finite: no browser reads it.
         """
-        text = json.dumps(command, default=_as_plain_data, separators=(",", ":"))
         path = command.get("path", "")
+        try:
+            text = json.dumps(
+                command, default=_as_plain_data, separators=(",", ":"), allow_nan=False
+            )
+        except ValueError:
+            raise InvalidValue(
+                "what is drawn", path, "of finite numbers; correct the mesh or the motion"
+            ) from None
         with self._lock:
             if command["type"] == "delete":
                 for key in [key for key in self._current if f"{key[1]}/".startswith(f"{path}/")]:

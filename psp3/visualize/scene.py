@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import base64
 import gzip
-import html
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self
@@ -21,6 +20,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from fuzzy2.errors import printable
+from fuzzy2.support.markup import Markup, data_from_json, element, filled
 from fuzzy2.support.text_files import write_text
 from psp3.checks import Array, checked_positive, checked_robot, one_row
 from psp3.errors import InvalidValue
@@ -55,6 +56,15 @@ is a translucent sleeve of twice it.
 
 FRAME_HEIGHT = 520
 """Height of a scene in a notebook [pixels]."""
+
+LISTEN = "null"
+"""In the place of commands: they come from the server that the page is from."""
+
+POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+    "img-src data: blob:; font-src data:; worker-src blob:; connect-src 'self' data: blob:"
+)
+"""What a scene may do: nothing is loaded from elsewhere, whatever a mesh asks for."""
 
 
 class _Performer:
@@ -256,10 +266,7 @@ class Scene:
 
     def html(self) -> str:
         """Return the scene as one page that needs no network."""
-        return page(
-            f"{self._commands.as_json()}.forEach(handle);".replace("</", "<\\/"),
-            name_of(self.robot),
-        )
+        return page(self._commands.as_json(), self.robot.title)
 
     def write_html(self, path: str | Path) -> None:
         """Write the scene to a file that any browser opens, without a network.
@@ -271,21 +278,22 @@ class Scene:
         """
         write_text(self.html(), path)
 
-    def _repr_html_(self) -> str:
+    def _repr_html_(self) -> Markup:
         # Compressed, a scene takes a third of the room in the notebook's file; the frame unpacks it
         # into itself.
         packed = base64.b64encode(gzip.compress(self.html().encode(), mtime=0)).decode()
-        unpack = (
-            f'<script>const packed = Uint8Array.from(atob("{packed}"), (letter) => '
-            "letter.charCodeAt(0));"
+        unpack = Markup(
+            f'const packed = Uint8Array.from(atob("{packed}"), (letter) => letter.charCodeAt(0));'
             "new Response(new Blob([packed]).stream().pipeThrough(new "
             'DecompressionStream("gzip"))).text().then((page) => '
-            "{ document.open(); document.write(page); document.close(); })</script>"
+            "{ document.open(); document.write(page); document.close(); })"
         )
-        style = f"width: 100%; height: {FRAME_HEIGHT}px; border: 0"
-        return (
-            f'<iframe srcdoc="{html.escape(unpack)}" title="{name_of(self.robot)} in 3D" '
-            f'style="{style}"></iframe>'
+        return element(
+            "iframe",
+            srcdoc=element("script", unpack),
+            sandbox="allow-scripts",
+            title=f"{self.robot.title} in 3D",
+            style=f"width: 100%; height: {FRAME_HEIGHT}px; border: 0",
         )
 
     def _perform(self, frames: Mapping[str, Frames]) -> None:
@@ -336,7 +344,7 @@ class Scene:
             if name:
                 above = np.append(offset[:2], corners[:, 2].max() + 0.1)
                 points.append(above[None])
-                texts.append({"text": name, "point": above.round(4)})
+                texts.append({"text": printable(name), "point": above.round(4)})
             self._performers.append(performer)
         self._cast = cast
         self._commands.add(
@@ -435,19 +443,16 @@ def _axes_of_slides(robot: Robot) -> Array:
     return np.array(axes)
 
 
-def name_of(robot: Robot) -> str:
-    """Return what a robot is called where it is shown."""
-    return html.escape(robot.title)
-
-
-def page(script: str, name: str = "Robot") -> str:
-    """Return the page with MeshCat and a script that feeds it commands; ``name`` is its title."""
-    text = Path(__file__).with_suffix(".html").read_text(encoding="utf-8")
-    # MeshCat last: the marks are then looked for in our own text only.
-    return (
-        text.replace("/*NAME*/", name)
-        .replace("/*COMMANDS*/", script)
-        .replace("/*MESHCAT*/", meshcat_script())
+def page(commands: str = LISTEN, name: str = "Robot") -> Markup:
+    """Return the page with MeshCat and commands in JSON; ``name`` is its title."""
+    return filled(
+        Path(__file__).with_suffix(".html").read_text(encoding="utf-8"),
+        {
+            "NAME": name,
+            "POLICY": POLICY,
+            "COMMANDS": data_from_json(commands),
+            "MESHCAT": Markup(meshcat_script()),
+        },
     )
 
 

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from psp3.cli.options import RUNS
-from psp3.cli.output import counted_progress, show_narrow, show_text
+from psp3.cli.output import counted_progress, say, show_narrow, show_text
 from psp3.cli.shared import refuse_workers_of_scheduler, resumable
 
 
@@ -116,4 +116,4 @@ def benchmark(
     for sentence in summary(board):
         show_text(f"• {sentence}")
     for path in (write_page(board, out / PAGE), write_numbers(board, out / NUMBERS)):
-        typer.echo(path)
+        say(path)

@@ -12,6 +12,7 @@ import typer
 from psp3.cli.export_options import ROBOT_OR_CONTROLLER, ThingOptions
 from psp3.cli.option_groups import single_options
 from psp3.cli.options import TorqueLimit, one_or_each, only_allowed
+from psp3.cli.output import say
 
 
 class PrecisionName(StrEnum):
@@ -90,7 +91,7 @@ def c(
     code = export_project(
         written, out, precision=precision.value, name=name or identifier(thing.thing), **options
     )
-    typer.echo(
+    say(
         f"{code.name}.c and {code.name}.h are in {out}, with {len(code.functions)} "
         f"function{'s' if len(code.functions) > 1 else ''}; 'make -C {out} test' compares what "
         "they answer with Python"

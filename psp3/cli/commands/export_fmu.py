@@ -12,6 +12,7 @@ import typer
 from psp3.cli.export_options import DriveOptions, ThingOptions
 from psp3.cli.option_groups import single_options
 from psp3.cli.options import TorqueLimit, fmu_output, one_or_each, only_allowed
+from psp3.cli.output import say
 
 
 class Version(StrEnum):
@@ -78,10 +79,10 @@ def fmu(
             model, out, robot=steered, period=period, name=name, version=fmi.value, **options
         )
     for warning in warned:
-        typer.echo(f"psp3: {warning.message}", err=True)
+        say(f"psp3: {warning.message}", err=True)
     for causality in ("input", "output", "parameter"):
         names = [one.name for one in written.variables if one.causality == causality]
         if names:
-            typer.echo(f"{causality}s: {', '.join(names)}")
+            say(f"{causality}s: {', '.join(names)}")
     holds = "source code and a binary" if written.has_binary else "source code alone"
-    typer.echo(f"{out} holds {holds}; steps are multiples of {period:g} s")
+    say(f"{out} holds {holds}; steps are multiples of {period:g} s")

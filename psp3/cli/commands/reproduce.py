@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from psp3.cli.output import progress_bars, show_narrow
+from psp3.cli.output import progress_bars, say, show_narrow
 from psp3.cli.shared import resumable
 
 
@@ -62,7 +62,7 @@ def reproduce(
     console.print()
     for path in outcome.files:
         # Outside rich, which would break long paths.
-        typer.echo(path if path.is_relative_to(out) else out / path.name)
+        say(path if path.is_relative_to(out) else out / path.name)
 
 
 @contextmanager
@@ -79,7 +79,7 @@ def _reproduce_progress() -> Iterator[
         def progress(description: str, done: int, total: int) -> None:
             bars.update(task, description=description, completed=done, total=total)
             if not on_terminal and done < total:
-                typer.echo(f"[{done + 1}/{total}] {description}", err=True)
+                say(f"[{done + 1}/{total}] {description}", err=True)
 
         def run_progress(done: int, total: int, rate: float) -> None:
             bars.update(

@@ -30,6 +30,7 @@ from psp3.cli.output import (
     new_table,
     print_json,
     progress_bar,
+    say,
     show,
     show_text,
     write_csv,
@@ -148,7 +149,7 @@ def simulate(
     except SimulationStopped as error:
         files = write(error.result)
         kept = f"; the part until then is in {listed(map(str, files.values()))}" if files else ""
-        typer.echo(f"{error_message(error)}{kept}{_why_it_may_have(which)}", err=True)
+        say(f"{error_message(error)}{kept}{_why_it_may_have(which)}", err=True)
         raise typer.Exit(USAGE) from error
     files = write(result)
     if outputs.csv == Path("-"):
@@ -182,7 +183,7 @@ def simulate(
     else:
         _show_joint_metrics(metrics, title, which)
     for path in files.values():
-        typer.echo(path)
+        say(path)
 
 
 def _why_it_may_have(robot: ClosedLoopRobot) -> str:
@@ -202,7 +203,10 @@ def _speeds_of_path(robot: ClosedLoopRobot, desired: Trajectory) -> Any:
     return speeds
 
 
-def _figure(robot: ClosedLoopRobot, result: Result, title: str) -> Any:
+def _figure(robot: ClosedLoopRobot, result: Result, text: str) -> Any:
+    from fuzzy2.plots.names import literal
+
+    title = literal(text)
     if robot.has_inverse_of_tip:
         from psp3.plots.control import figure_of_tracking
 

@@ -12,7 +12,7 @@ import typer
 
 from psp3.cli.option_groups import single_options
 from psp3.cli.options import OUTPUT, PLANT, RUNS, SAMPLED, output_file, usage_error
-from psp3.cli.output import cell_text, counted_progress, show_narrow
+from psp3.cli.output import cell_text, counted_progress, say, show_narrow
 from psp3.cli.shared import refuse_workers_of_scheduler, resumable
 
 if TYPE_CHECKING:
@@ -269,7 +269,7 @@ def study(
         show_narrow(title, headings, cells, note)
     if csv is not None:
         outcome.export(csv)
-        typer.echo(csv)
+        say(csv)
 
 
 OF_NOISE = ("reading", "snr_reference", "noisy_entries")

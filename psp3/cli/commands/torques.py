@@ -10,7 +10,7 @@ import typer
 from psp3.cli.joint_tables import commanded_joints, joint_units
 from psp3.cli.option_groups import MotionOptions, OutputOptions, single_options
 from psp3.cli.options import Model, TrajectoryText
-from psp3.cli.output import draw_figure, fixed, new_table, print_json, show, write_csv
+from psp3.cli.output import draw_figure, fixed, new_table, print_json, say, show, write_csv
 from psp3.cli.robot_options import RobotOptions
 from psp3.cli.shared import trajectory_from_options
 
@@ -79,7 +79,7 @@ def torques(
         else _table_of_joints(title, which, forces)
     )
     for path in files.values():
-        typer.echo(path)
+        say(path)
 
 
 def _figure(robot: ClosedLoopRobot, forces: ScrewForces, title: str) -> Any:
@@ -87,9 +87,10 @@ def _figure(robot: ClosedLoopRobot, forces: ScrewForces, title: str) -> Any:
         from psp3.plots.three_psp import figure_of_torques
 
         return figure_of_torques(forces)
+    from fuzzy2.plots.names import literal
     from psp3.plots.joints import figure_of_joint_forces
 
-    return figure_of_joint_forces(robot, forces, f"{robot.title}, {title}")
+    return figure_of_joint_forces(robot, forces, literal(f"{robot.title}, {title}"))
 
 
 def _table_of_joints(title: str, robot: ClosedLoopRobot, forces: ScrewForces) -> Any:

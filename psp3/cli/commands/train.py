@@ -12,7 +12,7 @@ import typer
 from psp3.cli.joint_tables import joint_units
 from psp3.cli.option_groups import MotionOptions, single_options
 from psp3.cli.options import TrajectoryText, only_allowed, output_file
-from psp3.cli.output import new_table, show
+from psp3.cli.output import new_table, say, show
 from psp3.cli.robot_options import RobotOptions
 from psp3.cli.shared import gains_of_computed_torque, trajectory_from_options
 
@@ -167,7 +167,7 @@ def train(
     for name, low, high, unit in zip(names, *controller.ranges_, of_inputs, strict=True):
         table.add_row(name, f"{low:z.4f}", f"{high:z.4f}", unit)
     show(table, errors)
-    typer.echo(file)
+    say(file)
 
 
 def _learned_by_simulation(

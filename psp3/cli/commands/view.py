@@ -19,7 +19,7 @@ from psp3.cli.options import (
     page_output,
     usage_error,
 )
-from psp3.cli.output import progress_bar
+from psp3.cli.output import progress_bar, say
 from psp3.cli.robot_options import RobotOptions
 from psp3.cli.shared import (
     controller_from_file,
@@ -143,7 +143,7 @@ def view(
         page = Scene(which)
         stage(page)
         page.write_html(record)
-        typer.echo(record)
+        say(record)
         return
     import threading
 
@@ -151,10 +151,10 @@ def view(
         stage(viewer)
         try:
             # Who reads this may interrupt at once.
-            typer.echo(f"{viewer.url} shows the robot; Ctrl-C ends.")
+            say(f"{viewer.url} shows the robot; Ctrl-C ends.")
             threading.Event().wait()
         except KeyboardInterrupt:
-            typer.echo(err=True)
+            say(err=True)
 
 
 def _simulated(

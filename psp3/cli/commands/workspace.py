@@ -9,7 +9,7 @@ import typer
 
 from psp3.cli.option_groups import single_options
 from psp3.cli.options import RIGHT_ANGLE, FigureFile, Json, listed, usage_error
-from psp3.cli.output import draw_figure, fixed, new_table, print_json, show
+from psp3.cli.output import draw_figure, fixed, new_table, print_json, say, show
 from psp3.cli.robot_options import RobotOptions
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ def workspace(
         return
     _show(which, space, rays, poses)
     if figure is not None:
-        typer.echo(figure)
+        say(figure)
 
 
 # The 3-PSP
@@ -233,7 +233,7 @@ def _map_of_thesis(
         table.add_row(name, *fixed([values.min(), values.max()], 2), unit)
     show(table)
     if figure is not None:
-        typer.echo(figure)
+        say(figure)
 
 
 # Any other robot

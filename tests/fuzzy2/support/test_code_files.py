@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import subprocess
 import sys
@@ -11,6 +12,8 @@ from typing import Any
 import pytest
 from numba.core.caching import IndexDataCacheFile
 
+from fuzzy2.errors import CodeNotKept
+from fuzzy2.support import code_files
 from fuzzy2.support.code_files import CodeFiles
 from fuzzy2.support.compiled import compiled
 
@@ -93,19 +96,121 @@ def outer(x):
 """
 
 
-def test_code_is_forgotten_when_a_function_that_it_calls_has_changed(tmp_path: Path) -> None:
-    """In a file that has not changed itself, as after ``git pull``."""
-    package = tmp_path / "called_kernels"
-    package.mkdir()
-    (package / "__init__.py").write_text("", encoding="utf-8")
-    (package / "outer.py").write_text(CALLING, encoding="utf-8")
-    ask = "from called_kernels.outer import outer; print(outer(1.0), *outer.stats.cache_hits)"
-    answers = []
-    for added in (1.0, 1.0, 5.0):
-        (package / "inner.py").write_text(CALLED.format(added=added), encoding="utf-8")
-        command = [sys.executable, "-c", ask]
-        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
-        answers.append(done.stdout.split())
-    assert [answer[0] for answer in answers] == ["4.0", "4.0", "12.0"]
-    # The second time it came from the disk: that is what must not happen the third time.
-    assert [len(answer) - 1 for answer in answers] == [0, 1, 0]
+def kept(folder: Path) -> Any:
+    own = files(folder)
+    own.save(("int64",), "the code")
+    assert not list(folder.glob("*.tmp.*"))
+    return own
+
+
+@pytest.mark.parametrize("ending", ["nbi", "nbc"])
+def test_each_damage_of_a_file_is_noticed(ending: str, tmp_path: Path) -> None:
+    """Every bit of a file that is flipped, and every length that it is cut to, one by one."""
+    own = kept(tmp_path)
+    (path,) = tmp_path.glob(f"*.{ending}")
+    whole = path.read_bytes()
+    damaged = [whole[:length] for length in range(len(whole))]
+    for bit in range(8 * len(whole)):
+        flipped = bytearray(whole)
+        flipped[bit // 8] ^= 1 << bit % 8
+        damaged.append(bytes(flipped))
+    damaged += [whole + b"\0", b"\0" * len(whole)]
+    for content in damaged:
+        path.write_bytes(content)
+        with pytest.warns(CodeNotKept, match="damaged"):
+            assert own.load(("int64",)) is None
+    with pytest.warns(CodeNotKept) if ending == "nbi" else contextlib.nullcontext():
+        own.save(("int64",), "the code")
+    assert own.load(("int64",)) == "the code"
+
+
+def test_a_file_of_another_name_is_damaged(tmp_path: Path) -> None:
+    own = kept(tmp_path)
+    own.save(("float64",), "other code")
+    one, other = tmp_path.glob("*.nbc")
+    one.write_bytes(other.read_bytes())
+    with pytest.warns(CodeNotKept, match="damaged"):
+        found = {own.load((name,)) for name in ("int64", "float64")}
+    assert found in ({None, "the code"}, {None, "other code"})
+
+
+def test_code_of_another_version_is_not_looked_at(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of numba, of what makes its machine code, or of Python."""
+    own = kept(tmp_path)
+    with monkeypatch.context() as other_version:
+        other_version.setattr(code_files, "VERSIONS", "another")
+        assert files(tmp_path).load(("int64",)) is None
+        kept(tmp_path)
+    assert own.load(("int64",)) == files(tmp_path).load(("int64",)) == "the code"
+    assert len(list(tmp_path.glob("*.nbc"))) == 2
+
+
+def test_a_file_that_cannot_be_read_is_as_none(tmp_path: Path) -> None:
+    """A directory in its place cannot be read by anybody, root included."""
+    own = kept(tmp_path)
+    (path,) = tmp_path.glob("*.nbc")
+    path.unlink()
+    assert own.load(("int64",)) is None
+    path.mkdir()
+    with pytest.warns(CodeNotKept, match="cannot be read"):
+        assert own.load(("int64",)) is None
+
+
+COMPUTED = """
+import sys, warnings
+from pathlib import Path
+from called_kernels.outer import outer
+with warnings.catch_warnings(record=True) as told:
+    warnings.simplefilter("always")
+    {before}
+    found = outer(1.0)
+print(found, len(outer.stats.cache_hits), *{{type(one.message).__name__ for one in told}})
+"""
+
+
+def computed(folder: Path, before: str = "pass") -> list[str]:
+    """Return what a new process computes, how often from the disk, and of what it warned."""
+    package = folder / "called_kernels"
+    if not package.exists():
+        package.mkdir()
+        (package / "__init__.py").write_text("", encoding="utf-8")
+        (package / "outer.py").write_text(CALLING, encoding="utf-8")
+        (package / "inner.py").write_text(CALLED.format(added=1.0), encoding="utf-8")
+    command = [sys.executable, "-c", COMPUTED.format(before=before)]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True)
+    return done.stdout.split()
+
+
+# Numba marks what it compiles by the number of times that it found it on the disk.
+FRESH, FROM_DISK = "0", "1"
+
+
+def test_damaged_files_of_a_real_function_are_compiled_anew(tmp_path: Path) -> None:
+    assert computed(tmp_path) == ["4.0", FRESH]
+    assert computed(tmp_path) == ["4.0", FROM_DISK]
+    for ending in ("nbi", "nbc"):
+        (path,) = tmp_path.rglob(f"outer*.{ending}")
+        # In the middle of the machine code, where nothing but the checksum would notice it.
+        damaged = bytearray(path.read_bytes())
+        damaged[len(damaged) // 2] ^= 1
+        path.write_bytes(damaged)
+        assert computed(tmp_path) == ["4.0", FRESH, "CodeNotKept"]
+        assert computed(tmp_path) == ["4.0", FROM_DISK]
+
+
+def test_a_disk_without_room_or_a_lost_folder_costs_time_only(tmp_path: Path) -> None:
+    full = """
+    import resource, signal
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
+    """.replace("\n    ", "; ").strip("; \n")
+    assert computed(tmp_path, full) == ["4.0", FRESH, "CodeNotKept"]
+    assert not list(tmp_path.rglob("*.tmp.*"))
+    lost = "import shutil; shutil.rmtree(outer._cache.cache_path); "
+    lost += "Path(outer._cache.cache_path).write_text('no folder')"
+    assert computed(tmp_path, lost) == ["4.0", FRESH, "CodeNotKept"]
+    (tmp_path / "called_kernels" / "__pycache__").unlink()
+    assert computed(tmp_path) == ["4.0", FRESH]
+    assert computed(tmp_path) == ["4.0", FROM_DISK]

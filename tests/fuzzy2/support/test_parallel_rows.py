@@ -6,6 +6,7 @@ Parts are Python here, so that they can wait for one another; the number of core
 from __future__ import annotations
 
 import gc
+import itertools
 import os
 import signal
 import subprocess
@@ -159,7 +160,31 @@ def test_one_core_and_short_batches_stay_in_the_thread_of_the_caller(
     assert [first for _, first, _ in parts] == limits[:-1]
     assert limits[-1] == rows
     assert max(np.diff(limits)) <= LARGEST_PART * 10
-    assert len(parts) == -(-rows // (LARGEST_PART * 10))
+
+
+@pytest.mark.parametrize(
+    ("seconds", "sizes"),
+    [(0.0, [200, 800, 3200, 10_000, 10_000]), (0.05, [200] * 5), (2.0, [200, 50, 12, 10, 10])],
+)
+def test_parts_are_as_large_as_can_be_while_ctrl_c_is_heard(
+    cores: Callable[[int], None],
+    monkeypatch: pytest.MonkeyPatch,
+    seconds: float,
+    sizes: list[int],
+) -> None:
+    """Rows may take longer than expected: large parts of such rows would be a minute's."""
+    cores(1)
+    clock = itertools.count()
+    monkeypatch.setattr(parallel_rows, "perf_counter", lambda: seconds * next(clock))
+    found = []
+
+    def part(first: int, last: int) -> int:
+        found.append(last - first)
+        return -1
+
+    assert first_refused_row(part, 100_000, 10) == -1
+    assert found[:5] == sizes
+    assert sum(found) == 100_000
 
 
 @pytest.mark.parametrize(("parts", "threads"), [(9, 1), (10, 2), (29, 5), (1000, 64)])

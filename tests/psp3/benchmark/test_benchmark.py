@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
 import pickle
+import signal
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -137,6 +139,50 @@ def test_ctrl_c_keeps_what_is_done_and_the_same_benchmark_goes_on(
     monkeypatch.setattr(benchmark, "execute", counted)
     assert asked.run(1) == 1
     assert len(asked.board().ranked) == 2
+
+
+MOMENTS = [
+    (OutcomeFile, "__init__", 0),
+    (OutcomeFile, "outcomes", 0),
+    (OutcomeFile, "add", 1),
+    (benchmark, "execute", 0),
+    (benchmark, "own_trial", 0),
+]
+
+
+@pytest.mark.parametrize("after", [False, True])
+@pytest.mark.parametrize(("owner", "name", "least"), MOMENTS)
+def test_ctrl_c_at_any_moment_says_what_is_kept(
+    tmp_path: Path,
+    done: list[tuple[str, Trial]],
+    monkeypatch: pytest.MonkeyPatch,
+    owner: Any,
+    name: str,
+    least: int,
+    after: bool,
+) -> None:
+    """A signal before or after a step: while the file is opened, in a trial, between two."""
+    asked, step, left = Benchmark(tmp_path, [MINE], **QUICK), getattr(owner, name), [signal.SIGINT]
+
+    def interrupted(*arguments: Any) -> Any:
+        if left and not after:
+            os.kill(os.getpid(), left.pop())
+        answer = step(*arguments)
+        if left:
+            os.kill(os.getpid(), left.pop())
+        return answer
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with monkeypatch.context() as patch:
+            patch.setattr(owner, name, interrupted)
+            with pytest.raises(StudyInterrupted) as end:
+                asked.run(1)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert end.value.total == 4
+    assert end.value.done == len(OutcomeFile(tmp_path / FILE).outcomes()) >= least
+    assert asked.run(1) == 4 - end.value.done
 
 
 def test_an_entry_that_raises_is_reported_and_tried_again(tmp_path: Path) -> None:

@@ -73,3 +73,41 @@ def test_another_version_is_refused_with_what_it_is_and_what_to_do(tmp_path: Pat
 def test_where_no_file_can_be_made_the_error_says_so(tmp_path: Path) -> None:
     with pytest.raises(StudyFileNotWritable):
         OutcomeFile(tmp_path / "absent" / "some.sqlite")
+
+
+VALUES = ("'abc'", "x'00'", "1.5", "-1", "9e999", "''", """'{"error": null}'""")
+
+
+@pytest.mark.parametrize("value", VALUES)
+@pytest.mark.parametrize("column", ["key", "outcome", "checksum"])
+def test_outcome_that_is_not_what_was_written_is_named_and_can_be_done_anew(
+    tmp_path: Path, column: str, value: str
+) -> None:
+    path = tmp_path / "some.sqlite"
+    some = OutcomeFile(path)
+    some.add("one", OUTCOME)
+    some.add("two", OUTCOME)
+    change(path, f"UPDATE outcomes SET {column} = {value} WHERE key = 'one'")
+    with pytest.raises(InvalidStudyFile, match="does not have its checksum") as refusal:
+        some.outcomes()
+    change(path, str(refusal.value).split("(")[-1].rstrip(")"))
+    assert some.outcomes() == {"two": OUTCOME}
+
+
+def change(path: Path, statement: str) -> None:
+    with sqlite3.connect(path) as connection:
+        connection.execute(statement)
+    connection.close()
+
+
+@pytest.mark.parametrize("how", ["deleted", "replaced"])
+def test_file_that_goes_away_is_noticed(tmp_path: Path, how: str) -> None:
+    path = tmp_path / "some.sqlite"
+    some = OutcomeFile(path)
+    some.add("one", OUTCOME)
+    path.rename(tmp_path / "elsewhere")
+    if how == "replaced":
+        OutcomeFile(path)
+    with pytest.raises(StudyFileNotWritable, match="deleted or replaced"):
+        some.add("two", OUTCOME)
+    assert OutcomeFile(tmp_path / "elsewhere").outcomes() == {"one": OUTCOME}

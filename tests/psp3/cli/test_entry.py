@@ -279,7 +279,7 @@ def test_output_that_fails_while_it_is_written_is_one_line_and_status_2(
     assert psp3_command("torques", "--duration", 0.1, "--csv", "run.csv") == (
         2,
         "",
-        "psp3: run.csv: No space left on device\n",
+        "psp3: run.csv: No space left on device; free space on its disk, or give another place\n",
     )
 
 

@@ -168,11 +168,17 @@ def test_one_thread_returns_to_python_between_pieces(
         return np.asarray(delta.inverse_dynamics(rows, speeds, speeds, guess=guess))
 
     monkeypatch.setattr(Core, "_answer", counted)
+    at_once = [slice(0, 700)]
+    monkeypatch.setattr("psp3.multibody.core.pieces", lambda rows, first: at_once)
     whole = found(positions)
     assert pieces == [700]
-    monkeypatch.setattr("psp3.multibody.core.PIECE", 128)
+    monkeypatch.undo()
+    monkeypatch.setattr(Core, "_answer", counted)
+    # None is short: they stay as large as the first one, a block.
+    monkeypatch.setattr("fuzzy2.support.pieces.SHORT", 0.0)
+    monkeypatch.setattr("fuzzy2.support.pieces.LONG", np.inf)
     assert_array_equal(found(positions), whole)
-    assert pieces[1:] == [128] * 5 + [60]
+    assert pieces[1:] == [64] * 10 + [60]
     positions[300, 0] += 10.0
     with pytest.raises(ClosureFailed) as caught:
         found(positions)

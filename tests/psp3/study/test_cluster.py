@@ -5,7 +5,6 @@ The same table, whatever happens to workers and scheduler.
 
 from __future__ import annotations
 
-import concurrent.futures
 import http.server
 import importlib.util
 import os
@@ -28,6 +27,7 @@ from psp3.study import Study, cluster, grid, study
 from psp3.study import file as study_file
 from psp3.study.execution import execute
 from psp3.study.run import Run
+from psp3.study.under_way import UnderWay
 from tests.processes import PROCESSES, answer_of, start, start_server
 from tests.study_helpers import QUICK, count_rows, invented
 
@@ -155,13 +155,15 @@ def test_two_studies_at_a_time_on_one_cluster(
     both = threading.Barrier(2, action=go.touch)
     handed_out: set[int] = set()
 
+    finished: Any = UnderWay.finished
+
     def wait(*arguments: Any) -> Any:
         if threading.get_ident() not in handed_out:
             handed_out.add(threading.get_ident())
             both.wait()
-        return concurrent.futures.wait(*arguments)
+        return finished(*arguments)
 
-    monkeypatch.setattr(study, "wait", wait)
+    monkeypatch.setattr(UnderWay, "finished", wait)
     monkeypatch.setattr(study, "execute", partial(invented_then, go=go))
     runs = grid(snr_db=20.0, seed=range(9))
 
@@ -308,3 +310,31 @@ def test_lost_scheduler_ends_the_study_with_what_was_done(
     assert count_rows(path) == 3
     monkeypatch.setattr(study, "execute", invented)
     assert Study(path, runs).run() == 37
+
+
+def test_scheduler_that_falls_silent_ends_the_study_with_what_was_done(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As when the network between stalls: nothing is refused, and nothing comes."""
+    ours, theirs = PROCESSES.Pipe()
+    server = start(serve, theirs)
+    address = answer_of(server, ours)
+
+    def stop(done: int, total: int, rate: float) -> None:
+        if done == 3:
+            os.kill(server.pid or 0, signal.SIGSTOP)
+
+    monkeypatch.setattr(study, "execute", invented_for_few)
+    monkeypatch.setattr(study, "LOOK_UP", 0.1)
+    monkeypatch.setattr(cluster, "ASKED_AGAIN", 0.1)
+    monkeypatch.setattr(cluster, "SILENCE", 2.0)
+    try:
+        with (
+            # How long its client waits for an answer to its farewell.
+            dask.config.set({"distributed.comm.timeouts.connect": "1s"}),
+            pytest.raises(SchedulerUnavailable, match="connection was lost after 3 of 40 runs"),
+        ):
+            Study(path, grid(snr_db=20.0, seed=range(40))).run(scheduler=address, progress=stop)
+    finally:
+        server.kill()
+    assert count_rows(path) == 3

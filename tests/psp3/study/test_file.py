@@ -13,7 +13,7 @@ import sqlite3
 import struct
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +25,7 @@ from hypothesis import strategies as st
 import psp3
 from psp3.errors import InvalidStudyFile, PSP3Error, StudyFileNotWritable, StudyInUse, StudyMismatch
 from psp3.study import file as study_file
-from psp3.study.file import APPLICATION, FORMAT, GROUP, StudyFile, checksums
+from psp3.study.file import APPLICATION, FORMAT, GROUP, Additions, StudyFile, checksums
 from psp3.study.keys import Runs, key, setting_key, setting_values
 from psp3.study.run import METRICS, Run, contents
 from psp3.study.table import Table
@@ -337,10 +337,11 @@ def test_row_of_what_is_no_number_is_named(path: Path, column: str, value: str) 
     assert len(StudyFile(path).rows()) == len(RUNS) - 1
 
 
-def test_row_whose_seed_is_no_number_is_named(path: Path) -> None:
+@pytest.mark.parametrize("seed", ["'one''s'", "x'00ff'", "9e999", "-9e999", "1.5"])
+def test_row_whose_seed_is_no_number_is_named(path: Path, seed: str) -> None:
     fill(path)
-    change(path, "UPDATE runs SET seed = 'one' WHERE seed = 1 AND setting = 2")
-    with pytest.raises(InvalidStudyFile, match="row of setting 2 and seed one") as refusal:
+    change(path, f"UPDATE runs SET seed = {seed} WHERE seed = 1 AND setting = 2")
+    with pytest.raises(InvalidStudyFile, match="row of setting 2 and seed ") as refusal:
         StudyFile(path).rows()
     change(path, str(refusal.value).split("(")[-1].rstrip(")"))
     assert len(StudyFile(path).rows()) == len(RUNS) - 1
@@ -355,6 +356,114 @@ def test_row_without_its_setting_is_named(path: Path) -> None:
         StudyFile(path).rows()
     change(path, str(refusal.value).split("(")[-1].rstrip(")"))
     assert len(StudyFile(path).rows()) == len(RUNS) - 1
+
+
+# Every damage is noticed
+
+
+VALUES = ("'abc'", "x'00'", "NULL", "1.5", "-1", "9e999", "''")
+
+
+@pytest.mark.parametrize("value", VALUES)
+def test_any_value_in_any_column_is_what_was_written_or_refused(path: Path, value: str) -> None:
+    """Of each of both tables; what equals the value that was there is no damage."""
+    fill(path, RUNS[1:2])
+    before, content = list(StudyFile(path).rows()), path.read_bytes()
+    refusals = 0
+    columns = [
+        (table, column)
+        for table in ("runs", "settings")
+        for column in columns_of(path, table)
+        if not (column == "id" and value in ("'abc'", "x'00'", "NULL", "1.5", "9e999", "''"))
+    ]
+    assert len(columns) >= len(METRICS) + len(contents(RUNS[0])) + 2
+    for table, column in columns:
+        path.write_bytes(content)
+        with suppress(sqlite3.IntegrityError):
+            change(path, f'UPDATE {table} SET "{column}" = {value}')
+        try:
+            assert list(StudyFile(path).rows()) == before
+        except InvalidStudyFile:
+            refusals += 1
+    assert refusals > len(columns) // 2
+
+
+def columns_of(path: Path, table: str) -> list[str]:
+    connection = sqlite3.connect(path)
+    names = [row[1] for row in connection.execute(f"PRAGMA table_info({table})")]
+    connection.close()
+    return names
+
+
+@pytest.mark.parametrize("value", ["[1", "", "null", "1.5", '"\\ud800', "[" * 5000])
+@pytest.mark.parametrize("note", ["package_version", "fields", "metrics", "shared", "runs"])
+def test_note_that_is_not_what_was_written_is_named(path: Path, note: str, value: str) -> None:
+    file = fill(path)
+    change(path, f"UPDATE meta SET value = '{value}' WHERE name = '{note}'")
+    for read in (file.rows, lambda: StudyFile(path), file.adding().__enter__):
+        with pytest.raises(InvalidStudyFile, match=f"its note of {note} is not what was written"):
+            read()
+    change(path, f"DELETE FROM meta WHERE name = '{note}'")
+    with pytest.raises(InvalidStudyFile, match=f"its note of {note} is not what was written"):
+        file.rows()
+
+
+def test_rows_that_are_lost_are_noticed_and_done_anew(path: Path) -> None:
+    """As when a page of the disk is one of before: the table is whole, and shorter."""
+    fill(path)
+    change(path, "DROP TRIGGER removed", "DELETE FROM runs WHERE seed = 1")
+    count = len(RUNS) - len([run for run in RUNS if run.seed == 1])
+    message = f"holds {count} rows, and {len(RUNS)} were written"
+    with pytest.raises(InvalidStudyFile, match=message) as refusal:
+        StudyFile(path).rows()
+    with pytest.raises(InvalidStudyFile, match=message):
+        fill(path)
+    change(path, str(refusal.value).split("(")[-1].rstrip(")"))
+    assert len(StudyFile(path).rows()) == count
+    assert len(fill(path).rows()) == len(RUNS)
+
+
+def test_rows_deleted_with_other_tools_are_not_missed(path: Path) -> None:
+    fill(path)
+    change(path, "DELETE FROM runs WHERE seed = 1")
+    assert {row["seed"] for row in StudyFile(path).rows()} == {0, 2}
+    assert len(fill(path).rows()) == len(RUNS)
+
+
+@pytest.mark.parametrize("lost", ["{name}", "{name}.lock"])
+@pytest.mark.parametrize("how", ["deleted", "replaced"])
+def test_file_that_goes_away_while_results_are_added_is_noticed(
+    path: Path, lost: str, how: str
+) -> None:
+    place = path.with_name(lost.format(name=path.name))
+
+    def add() -> None:
+        with StudyFile(path, SHARED).adding() as additions:
+            additions.add([(RUNS[0], invented(RUNS[0]))])
+            additions.commit()
+            content = place.read_bytes()
+            place.rename(path.with_name("elsewhere"))
+            if how == "replaced":
+                place.write_bytes(content)
+            additions.add([])
+
+    with pytest.raises(StudyFileNotWritable, match=r"deleted or replaced .* run the study again"):
+        add()
+    assert place.exists() == (how == "replaced"), "what is there now is somebody else's"
+
+
+def test_file_that_goes_away_within_the_last_commit_is_noticed(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    numbered = Additions._numbered
+
+    def gone(*arguments: Any) -> Any:
+        path.rename(path.with_name("elsewhere"))
+        return numbered(*arguments)
+
+    monkeypatch.setattr(Additions, "_numbered", gone)
+    with pytest.raises(StudyFileNotWritable, match="deleted or replaced"):
+        fill(path)
 
 
 # What does not belong is refused

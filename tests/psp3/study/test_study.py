@@ -9,12 +9,13 @@ import csv
 import math
 import os
 import signal
+import sqlite3
 import subprocess
 import sys
 import threading
 import time
 import tracemalloc
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import fields
 from pathlib import Path
@@ -35,8 +36,10 @@ from psp3.errors import (
 )
 from psp3.study import Study, grid, study
 from psp3.study.execution import execute
-from psp3.study.file import GROUP
+from psp3.study.file import GROUP, Additions, StudyFile
+from psp3.study.keys import Runs
 from psp3.study.run import METRICS, Run, field_types
+from psp3.study.under_way import UnderWay
 from tests.processes import PROCESSES, answer_of, start
 from tests.study_helpers import QUICK, count_rows, invented, run_and_tell, run_until
 
@@ -448,6 +451,76 @@ def test_interrupt_keeps_what_is_done_and_says_how_to_go_on(path: Path) -> None:
     assert interrupted.value.total == total
     assert 5 <= interrupted.value.done == count_rows(path) < total
     assert same(done(path, runs)) == same(done(path.with_name("whole.sqlite"), runs))
+
+
+@pytest.fixture
+def ctrl_c() -> Iterator[Callable[[], None]]:
+    """Do what Ctrl-C does, once, however the tests were started."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    left = [signal.SIGINT]
+
+    def interrupt() -> None:
+        if left:
+            os.kill(os.getpid(), left.pop())
+
+    yield interrupt
+    assert not left, "it came"
+    signal.signal(signal.SIGINT, before)
+
+
+MOMENTS = [
+    (StudyFile, "_check_permissions", 0),
+    (StudyFile, "_create", 0),
+    (Runs, "missing", 0),
+    (study, "execute", 1),
+    (Additions, "commit", None),
+    (Additions, "_numbered", None),
+    (UnderWay, "hand_out", 0),
+    (UnderWay, "take", None),
+    (sqlite3, "connect", None),
+]
+
+
+@pytest.mark.parametrize("after", [False, True])
+@pytest.mark.parametrize(("owner", "name", "least"), MOMENTS)
+def test_ctrl_c_at_any_moment_says_what_is_kept(
+    path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    ctrl_c: Callable[[], None],
+    owner: Any,
+    name: str,
+    least: int | None,
+    after: bool,
+) -> None:
+    """A signal before or after a step: while the file is opened, between two rows, at the end."""
+    monkeypatch.setattr(study, "execute", invented)
+    whole = Study(path, grid(snr_db=20.0, seed=range(6)))
+    step = getattr(owner, name)
+
+    def interrupted(*arguments: Any, **options: Any) -> Any:
+        if not after:
+            ctrl_c()
+        answer = step(*arguments, **options)
+        ctrl_c()
+        return answer
+
+    with monkeypatch.context() as patch:
+        patch.setattr(owner, name, interrupted)
+        with pytest.raises(StudyInterrupted) as end:
+            whole.run(workers=2)
+    assert end.value.done == count_rows(path) >= (least or 0)
+    assert end.value.total == 6
+    assert whole.run() == 6 - end.value.done
+    assert len(whole.rows()) == 6
+
+
+def test_ctrl_c_when_all_is_done_is_not_lost(
+    path: Path, no_simulation: None, ctrl_c: Callable[[], None]
+) -> None:
+    whole = Study(path, grid(snr_db=20.0, seed=range(3)))
+    whole.run()
+    with pytest.raises(StudyInterrupted, match="after 3 of 3 runs"):
+        whole.run(progress=lambda *_: ctrl_c())
 
 
 def test_runs_under_way_when_interrupted_are_kept(

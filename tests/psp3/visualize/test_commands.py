@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 
 import numpy as np
+import pytest
 
+from psp3.errors import InvalidValue
 from psp3.visualize.commands import DrawingCommands
 
 
@@ -52,3 +54,11 @@ def test_who_subscribes_after_the_end_receives_what_was_and_the_end() -> None:
     late = commands.subscribe()
     assert json.loads(late.get_nowait() or "")["path"] == "/a"
     assert late.get_nowait() is None
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_what_no_browser_reads_is_refused(value: float) -> None:
+    commands = DrawingCommands()
+    with pytest.raises(InvalidValue, match="what is drawn must be of finite numbers"):
+        commands.add({"type": "set_object", "path": "/mesh", "points": np.array([value])})
+    assert listed(commands) == []

@@ -1,0 +1,1 @@
+"""What lasts: interrupts, copies, long runs, memory."""

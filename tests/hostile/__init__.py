@@ -1,0 +1,1 @@
+"""What is tried to harm who uses the packages."""
