@@ -25,8 +25,8 @@ from psp3.benchmark.trial import Outcome, Trial, execute, own_trial
 from psp3.benchmark.workers import done_by, processes
 from psp3.checks import (
     checked_count,
-    checked_finite,
     checked_names,
+    checked_number,
     checked_path,
     checked_positive,
     known_name,
@@ -105,7 +105,10 @@ class Benchmark:
         self.robots = tuple(dict.fromkeys(checked_names("robots", robots)))
         self.readings = tuple(dict.fromkeys(checked_names("readings", readings)))
         wanted = "a list of finite ratios [dB]; runs without noise are always done, too"
-        ratios = [checked_finite("levels", level) for level in listed("levels", levels, wanted)]
+        ratios = [checked_number("levels", one, wanted) for one in listed("levels", levels, wanted)]
+        for ratio in ratios:
+            if math.isinf(ratio):
+                raise InvalidValue("levels", ratio, wanted)
         self.levels = tuple(dict.fromkeys(ratios))
         self.seeds = checked_count("seeds", seeds)
         self.duration = checked_positive("duration", duration)
