@@ -10,14 +10,14 @@ import decimal
 import math
 import numbers
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from psp3.errors import InvalidArray, InvalidValue
+from psp3.errors import InvalidArray, InvalidValue, UnknownName
 
 MOST = 2**63 - 1
 """Whoever gives a greater number does not mean to count to it."""
@@ -261,6 +261,27 @@ def checked_names(name: str, names: object) -> tuple[str, ...]:
     if listed is None or not all(isinstance(one, str) for one in listed):
         raise InvalidValue(name, names, f"a list of names; of a single one [{name}]")
     return listed
+
+
+def listed(name: str, values: Any, requirement: str) -> tuple[Any, ...]:
+    """Return what a list holds; raise :class:`InvalidValue` if it is none, such as a text."""
+    if not isinstance(values, str | bytes | np.ma.MaskedArray):
+        with contextlib.suppress(TypeError):
+            return tuple(values)
+    raise InvalidValue(name, values, requirement)
+
+
+def known_name(what: str, name: object, known: Collection[str]) -> str:
+    """Return a name that is among the known ones; raise :class:`UnknownName` if it is not."""
+    if not isinstance(name, str) or name not in known:
+        raise UnknownName(what, name, tuple(known))
+    return name
+
+
+def checked_function(name: str, value: object) -> None:
+    """Raise :class:`InvalidValue` if something cannot be called."""
+    if not callable(value):
+        raise InvalidValue(name, value, "a function")
 
 
 @contextlib.contextmanager

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from fuzzy2.errors import NotExportable, UnknownName
+from fuzzy2.errors import NotExportable
 from fuzzy2.export.values import BOOL, INT, REAL, Record, Row, Scalar, Table, Value
+from fuzzy2.support.checks import known_name
 
 GREATEST_SINGLE, LEAST_SINGLE = 3.4028234663852886e38, 1.1754943508222875e-38
 GREATEST_WHOLE = 2**31 - 1
@@ -32,8 +33,7 @@ class Precision:
     name: str
 
     def __post_init__(self) -> None:
-        if self.name not in ("double", "single"):
-            raise UnknownName("precision", self.name, ("double", "single"))
+        known_name("precision", self.name, ("double", "single"))
 
     @property
     def type(self) -> str:

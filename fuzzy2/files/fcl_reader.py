@@ -38,7 +38,7 @@ from fuzzy2.files.functions import NUMBERS
 from fuzzy2.files.rule_text import rules_of
 from fuzzy2.files.source import Source
 from fuzzy2.sets.type1 import Singleton
-from fuzzy2.systems.operators import choice
+from fuzzy2.support.checks import known_name
 
 _GRAMMAR = r"""
 file: block+
@@ -106,7 +106,7 @@ class FclReader(Source):
         self, text: str, source: str, block: str | None = None, dialect: str = "iec"
     ) -> None:
         super().__init__(source)
-        self._dialect = choice("dialect", dialect, DIALECTS)
+        self._dialect = known_name("dialect", dialect, DIALECTS)
         tree = self._parsed(text)
         blocks = [one for one in tree.children if isinstance(one, Tree)]
         self._tree = self._chosen(blocks, block)

@@ -42,8 +42,8 @@ from fuzzy2.files.fis_names import DIALECTS, OPEN_TOOLBOX_SUFFIX, is_of_octave
 from fuzzy2.files.fis_reader import FisReader
 from fuzzy2.files.fis_rules import OCTAVE
 from fuzzy2.files.fis_writer import FisWriter
+from fuzzy2.support.checks import known_name
 from fuzzy2.support.text_files import read_text, write_text
-from fuzzy2.systems.operators import choice
 from fuzzy2.systems.parallel import ParallelSystem
 from fuzzy2.systems.system import FuzzySystem
 
@@ -76,7 +76,7 @@ def parse_fis(text: str, source: str = "text", dialect: str | None = None) -> An
         If it describes what a system here cannot be; it names the line.
     """
     own = "fuzzylite" if is_of_fuzzylite(text) else "octave" if is_of_octave(text) else "matlab"
-    chosen = own if dialect is None else choice("dialect", dialect, DIALECTS)
+    chosen = own if dialect is None else known_name("dialect", dialect, DIALECTS)
     if chosen == "fuzzylite":
         return FisEngineReader(text, source).system()
     return FisReader(text, source, chosen).system()
@@ -140,7 +140,7 @@ def format_fis(
     NotExpressible
         If the format has no way to write the system.
     """
-    octave = choice("dialect", dialect, DIALECTS) == "octave"
+    octave = known_name("dialect", dialect, DIALECTS) == "octave"
     whatever: Any = system
     if dialect == "fuzzylite" and not open_toolbox:
         return FisEngineWriter(engine_of(whatever, name, FUZZYLITE), FUZZYLITE).text()

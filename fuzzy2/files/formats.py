@@ -14,6 +14,7 @@ from fuzzy2.files.fcl import read_fcl, write_fcl
 from fuzzy2.files.fis import read_fis, write_fis
 from fuzzy2.files.fll import read_fll, write_fll
 from fuzzy2.files.fml import read_fml, write_fml
+from fuzzy2.support.checks import named_path
 from fuzzy2.support.text_files import read_text
 from fuzzy2.systems.anya import AnYaSystem
 from fuzzy2.systems.parallel import ParallelSystem
@@ -86,7 +87,7 @@ def load(path: str | os.PathLike[str], **options: Any) -> Any:
     OSError
         If it cannot be read.
     """
-    text = read_text(path)
+    text = read_text(named_path(path))
     found = next((one for one in FORMATS if one.is_text(text)), None) or _by_suffix(path)
     if found is None:
         raise MalformedFile(
@@ -119,7 +120,7 @@ def save(thing: Any, path: str | os.PathLike[str], **options: Any) -> None:
     FileNotWritten
         If the file cannot be written; what was there before remains.
     """
-    suffix = Path(path).suffix
+    suffix = Path(named_path(path)).suffix
     found = _by_suffix(path) if suffix else FORMATS[0]
     if found is None:
         raise UnknownName("suffix of a file", suffix, SUFFIXES)

@@ -38,7 +38,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, NotApplicable
-from fuzzy2.support.checks import Array, positive, real, reals
+from fuzzy2.support.checks import Array, of_kind, positive, real, reals
 from fuzzy2.support.pieces import pieces
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 
@@ -82,6 +82,7 @@ class AdaptiveConsequents:
         self.forgetting, self.trust = real("forgetting", forgetting), positive("trust", trust)
         if not 0.0 < self.forgetting <= 1.0:
             raise InvalidValue("forgetting", forgetting, "above 0 and at most 1")
+        of_kind("system", system, FuzzySystem, "a fuzzy system")
         self._given, self._table = system, _adaptable_table(system)
         given = np.asarray(system.consequents, dtype=float)
         self._is_interval = given.ndim == 3

@@ -18,8 +18,8 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fuzzy2.errors import InvalidValue, UnknownName
-from fuzzy2.learning.clustering import fuzzy_c_means
+from fuzzy2.errors import InvalidValue
+from fuzzy2.learning.clustering import checked_fuzzifier, fuzzy_c_means
 from fuzzy2.learning.estimator import Regressor
 from fuzzy2.learning.hybrid import Data, History, Learner, State
 from fuzzy2.learning.partition import (
@@ -27,14 +27,21 @@ from fuzzy2.learning.partition import (
     principal_terms,
     term_names,
     terms_per_input,
-    whole_number,
 )
 from fuzzy2.learning.premises import Premises
 from fuzzy2.learning.samples import Samples, ranges_of, samples_of
 from fuzzy2.learning.subtractive import subtractive_clustering
 from fuzzy2.sets.interval_type2 import GaussianUncertainMean
 from fuzzy2.sets.shapes import Gaussian
-from fuzzy2.support.checks import Array, positive, real
+from fuzzy2.support.checks import (
+    Array,
+    generator,
+    known_name,
+    positive,
+    real,
+    reals,
+    whole_number,
+)
 from fuzzy2.support.one_thread import one_thread
 from fuzzy2.systems.consequents import Linear
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
@@ -352,22 +359,20 @@ class ANFIS(Regressor):
             ("kind of ANFIS", self.kind, KINDS),
             ("partition", self.partition, PARTITIONS),
         ):
-            if name not in known:
-                raise UnknownName(what, name, known)
-        if not np.size(self.ridge):
+            known_name(what, name, known)
+        ridges = reals("ridge", self.ridge, "a number above 0, or several")
+        if not ridges.size or not ((ridges > 0.0) & (ridges < np.inf)).all():
             raise InvalidValue("ridge", self.ridge, "a number above 0, or several")
-        for ridge in np.ravel(self.ridge):
-            positive("ridge", ridge)
+        checked_fuzzifier(self.fuzzifier)
+        positive("radius", self.radius)
         if real("mean_variation", self.mean_variation) < 0.0:
             raise InvalidValue("mean_variation", self.mean_variation, "at least 0")
         whole_number("most_epochs", self.most_epochs, 0)
         whole_number("patience", self.patience, 1)
         if not 0.0 <= real("validation_share", self.validation_share) < 1.0:
             raise InvalidValue("validation_share", self.validation_share, "at least 0 and below 1")
-        if self.rng is not None and not isinstance(self.rng, np.random.Generator):
-            raise InvalidValue(
-                "rng", self.rng, "a numpy.random.Generator, such as numpy.random.default_rng(0)"
-            )
+        if self.rng is not None:
+            generator("rng", self.rng)
 
 
 class _Chosen(NamedTuple):

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from fuzzy2.errors import InvalidValue
-from fuzzy2.learning.partition import whole_number
 from fuzzy2.sets.shapes import Triangular
-from fuzzy2.support.checks import real
+from fuzzy2.support.checks import listed, real, whole_number
 
 NAMES = {
     3: ("poor", "average", "good"),
@@ -62,14 +61,14 @@ def automf(least: float, greatest: float, terms: int | Sequence[str] = 3) -> dic
 
 
 def _names(terms: int | Sequence[str]) -> tuple[str, ...]:
-    if np.ndim(terms) == 0 and not isinstance(terms, str):
+    if isinstance(terms, int | np.integer):
         count = whole_number("terms", terms, 2)
         return NAMES.get(count) or tuple(f"term{k + 1}" for k in range(count))
-    names = () if isinstance(terms, str | int) else tuple(terms)
+    names = listed("terms", terms, "a number, or at least two different names")
     if (
         len(names) < 2
-        or len(set(names)) < len(names)
         or not all(isinstance(name, str) for name in names)
+        or len(set(names)) < len(names)
     ):
         raise InvalidValue("terms", terms, "a number, or at least two different names")
     return names

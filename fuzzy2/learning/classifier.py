@@ -22,11 +22,10 @@ from numpy.typing import ArrayLike, NDArray
 from fuzzy2.errors import InvalidValue
 from fuzzy2.learning.clustering import fuzzy_c_means
 from fuzzy2.learning.estimator import Estimator
-from fuzzy2.learning.partition import whole_number
 from fuzzy2.learning.premises import Premises
 from fuzzy2.learning.samples import Samples, ranges_of, samples_of, table_of_samples, weights_of
 from fuzzy2.sets.shapes import Gaussian
-from fuzzy2.support.checks import Array, positive
+from fuzzy2.support.checks import Array, generator, positive, whole_number
 from fuzzy2.systems.system import Type1System
 
 FIRST_GRADE = 2.0
@@ -130,7 +129,7 @@ class FuzzyClassifier(Estimator):
         every[counts > 0.0] = codes
         samples = samples_of(type(self).__name__, X, every, counts)
         ranges_of("input", samples.input_names, samples.inputs)
-        rng = np.random.default_rng(0) if self.rng is None else self.rng
+        rng = np.random.default_rng(0) if self.rng is None else generator("rng", self.rng)
 
         middles = np.average(samples.inputs, axis=0, weights=samples.weights)
         squares = (samples.inputs - middles) ** 2
@@ -319,7 +318,12 @@ def _labels(y: Any) -> NDArray[Any]:
             "the labels of the samples: FuzzyClassifier requires y to be passed, but the target y "
             "is None",
         )
-    labels = np.asarray(y)
+    if isinstance(y, np.ma.MaskedArray):
+        raise InvalidValue("y", y, "labels without a mask")
+    try:
+        labels = np.asarray(y)
+    except ValueError as error:  # rows of different lengths
+        raise InvalidValue("y", y, "of shape (N,), a label for each sample") from error
     if labels.ndim == 2 and labels.shape[1] == 1:
         exceptions: Any = sys.modules.get("sklearn.exceptions")
         kind = UserWarning if exceptions is None else exceptions.DataConversionWarning

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue
 from fuzzy2.learning.samples import weights_of
-from fuzzy2.support.checks import Array, binary_exponent, real, reals
+from fuzzy2.support.checks import Array, binary_exponent, generator, real, reals, whole_number
 
 TOLERANCE = 1e-9
 """The iteration has converged when no membership changes by more."""
@@ -126,6 +126,14 @@ class Clusters:
         return found.reshape(*points.shape[:-1], len(self.centers))
 
 
+def checked_fuzzifier(value: object) -> float:
+    """Return a fuzzifier as a float; raise :class:`InvalidValue` if it is not above 1."""
+    power = real("fuzzifier", value, "a finite number above 1")
+    if power <= 1.0:
+        raise InvalidValue("fuzzifier", value, "a finite number above 1")
+    return power
+
+
 def fuzzy_c_means(
     X: ArrayLike,
     n_clusters: int,
@@ -176,33 +184,22 @@ def fuzzy_c_means(
     samples = reals("X", X)
     if samples.ndim != 2 or 0 in samples.shape or not np.isfinite(samples).all():
         raise InvalidValue("X", samples, "finite and of shape (N, p), a row for each sample")
-    power = real("fuzzifier", fuzzifier, "a finite number above 1")
-    if power <= 1.0:
-        raise InvalidValue("fuzzifier", fuzzifier, "a finite number above 1")
-    for name, value in (("n_clusters", n_clusters), ("starts", starts)):
-        if (
-            isinstance(value, bool | np.bool_)
-            or not isinstance(value, int | np.integer)
-            or value < 1
-        ):
-            raise InvalidValue(name, value, "a whole number of at least 1")
-    if rng is not None and not isinstance(rng, np.random.Generator):
-        raise InvalidValue(
-            "rng", rng, "a numpy.random.Generator, such as numpy.random.default_rng(0)"
-        )
+    power = checked_fuzzifier(fuzzifier)
+    whole_number("n_clusters", n_clusters, 1)
+    whole_number("starts", starts, 1)
+    source = np.random.default_rng(0) if rng is None else generator("rng", rng)
     counts = weights_of(sample_weight, len(samples))
     different = np.unique(samples[counts > 0.0], axis=0)
     if len(different) < n_clusters:
         raise InvalidValue(
             "n_clusters", n_clusters, f"at most {len(different)}, the number of different samples"
         )
-    generator = np.random.default_rng(0) if rng is None else rng
     # By a power of two, which is exact.
     scale = binary_exponent(samples)
     samples, different = np.ldexp(samples, -scale), np.ldexp(different, -scale)
     # Centers that coincide would never part again, so they start from different samples.
     runs = [
-        _alternate(samples, generator.choice(different, n_clusters, replace=False), power, counts)
+        _alternate(samples, source.choice(different, n_clusters, replace=False), power, counts)
         for _ in range(starts)
     ]
     best = min(runs, key=lambda run: run.objectives[-1])

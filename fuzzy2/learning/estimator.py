@@ -18,7 +18,7 @@ from fuzzy2.learning.samples import (
     table_of_samples,
     weights_of,
 )
-from fuzzy2.support.checks import Array
+from fuzzy2.support.checks import Array, binary_exponent, reals
 from fuzzy2.support.markup import Markup, element, joined
 from fuzzy2.support.shown import Shown
 from fuzzy2.systems.explanation import Explanation
@@ -135,7 +135,8 @@ class Estimator(Shown):
         system = self._system()
         if hasattr(x, "to_frame") and np.ndim(x) == 1:
             x = x.to_frame().T  # a row of a data frame keeps its names
-        rows = self._inputs(x if np.ndim(x) == 2 else np.asarray(x)[np.newaxis])
+        values = x if column_names(x) is not None else reals("x", x)
+        rows = self._inputs(values if np.ndim(values) == 2 else np.asarray(values)[np.newaxis])
         if len(rows) != 1:
             raise InvalidValue("x", rows.shape, "one input")
         return system.explain(rows[0])
@@ -250,6 +251,9 @@ class Regressor(Estimator):
         if truth.shape != predicted.shape:
             raise InvalidValue("y", truth.shape, f"of {predicted.shape[1]} outputs, as in fit")
         weights = weights_of(sample_weight, len(predicted))
+        # The score has no unit, so that what is squared may be of any size.
+        exponent = binary_exponent(np.stack([truth, predicted]))
+        truth, predicted = np.ldexp(truth, -exponent), np.ldexp(predicted, -exponent)
         residual = weights @ (truth - predicted) ** 2
         total = weights @ (truth - weights @ truth / weights.sum()) ** 2
         with np.errstate(divide="ignore", invalid="ignore"):

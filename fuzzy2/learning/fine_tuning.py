@@ -18,8 +18,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue
+from fuzzy2.learning.samples import LEAST_RANGE, check_scale
 from fuzzy2.learning.tunable_system import TunableSystem
-from fuzzy2.support.checks import Array, positive, reals
+from fuzzy2.support.checks import (
+    Array,
+    generator,
+    of_kind,
+    positive,
+    real,
+    reals,
+    whole_number,
+)
 from fuzzy2.systems.system import FuzzySystem
 
 _FIRST_DECAY, _SECOND_DECAY, _TINY = 0.9, 0.999, 1e-8  # of Adam, as published
@@ -107,14 +116,11 @@ def fine_tune(
             "learning_rate", learning_rate, "at most 1, a step as wide as the range of the samples"
         )
     for name, value in (("most_epochs", most_epochs), ("patience", patience)):
-        if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
-            raise InvalidValue(name, value, "a whole number of at least 1")
-    if not 0.0 < validation_share < 1.0:
-        raise InvalidValue("validation_share", validation_share, "between 0 and 1, both excluded")
-    if not isinstance(rng, np.random.Generator):
-        raise InvalidValue(
-            "rng", rng, "a numpy.random.Generator, such as numpy.random.default_rng(0)"
-        )
+        whole_number(name, value, 1)
+    between = "between 0 and 1, both excluded"
+    if not 0.0 < real("validation_share", validation_share, between) < 1.0:
+        raise InvalidValue("validation_share", validation_share, between)
+    generator("rng", rng)
     if len(inputs) < 2:
         raise InvalidValue(
             "X", inputs.shape, "at least 2 samples, to learn from one and validate with the other"
@@ -170,6 +176,7 @@ def fine_tune(
 
 
 def _samples(system: FuzzySystem, X: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
+    of_kind("system", system, FuzzySystem, "a fuzzy system")
     inputs, outputs = reals("X", X), reals("y", y)
     if outputs.ndim == 1:
         outputs = outputs[:, np.newaxis]
@@ -177,9 +184,10 @@ def _samples(system: FuzzySystem, X: ArrayLike, y: ArrayLike) -> tuple[Array, Ar
         raise InvalidValue("X", inputs, f"finite and of shape (N, {len(system.inputs)})")
     if outputs.shape != (len(inputs), system.n_outputs) or not np.isfinite(outputs).all():
         raise InvalidValue("y", outputs, f"finite and of shape ({len(inputs)}, {system.n_outputs})")
+    check_scale("y", outputs)
     return inputs, outputs
 
 
 def _scales(widths: Array) -> Array:
-    """Return widths, and 1 for those that are zero."""
-    return np.where(widths > 0.0, widths, 1.0)
+    """Return widths, and 1 for those that are zero, or too small to be divided by."""
+    return np.where(widths > LEAST_RANGE, widths, 1.0)

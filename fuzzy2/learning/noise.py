@@ -95,7 +95,7 @@ def snr_from_mean_variation(mean_variation: ArrayLike) -> Array:
             variations,
             f"in [0, {GREATEST_MEAN_VARIATION}], what the rule gives for some ratio",
         )
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):
         return np.asarray(
             HALFWAY_SNR + 20.0 * np.log10(GREATEST_MEAN_VARIATION / variations - 1.0)
         )[()]

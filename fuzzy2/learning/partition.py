@@ -8,12 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fuzzy2.errors import InvalidValue, UnknownName
+from fuzzy2.errors import InvalidValue
 from fuzzy2.learning.clustering import Clusters
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 from fuzzy2.sets.interval_type2 import GaussianUncertainMean
 from fuzzy2.sets.shapes import Gaussian
-from fuzzy2.support.checks import Array, real, reals
+from fuzzy2.support.checks import Array, known_name, real, reals, whole_number
 
 Term = Gaussian | GaussianUncertainMean | GaussianType2Set
 Integers = NDArray[np.int64]
@@ -71,8 +71,7 @@ def gaussian_partition(
     if not least < greatest:
         raise InvalidValue("greatest", greatest, f"above least, {least!r}")
     count = whole_number("n_terms", n_terms, 1)
-    if kind not in KINDS:
-        raise UnknownName("kind of system", kind, KINDS)
+    known_name("kind of system", kind, KINDS)
     variation = real("mean_variation", mean_variation)
     if variation < 0.0:
         raise InvalidValue("mean_variation", mean_variation, "at least 0")
@@ -141,8 +140,7 @@ def cluster_partition(
     UnknownName
         If the kind is unknown.
     """
-    if kind not in KINDS:
-        raise UnknownName("kind of system", kind, KINDS)
+    known_name("kind of system", kind, KINDS)
     variation = real("mean_variation", mean_variation)
     if variation < 0.0:
         raise InvalidValue("mean_variation", mean_variation, "at least 0")
@@ -182,7 +180,8 @@ def term_names(n_terms: int) -> tuple[str, ...]:
     Low, Mid and High for up to three, else with numbers.
     """
     known: dict[int, tuple[str, ...]] = {1: ("Any",), 2: ("Low", "High"), 3: ("Low", "Mid", "High")}
-    return known.get(n_terms) or tuple(f"Level{k + 1}" for k in range(n_terms))
+    count = whole_number("n_terms", n_terms, 1)
+    return known.get(count) or tuple(f"Level{k + 1}" for k in range(count))
 
 
 def principal_terms(least: float, greatest: float, n_terms: int) -> tuple[Gaussian, ...]:
@@ -210,24 +209,12 @@ def centroid_of_term(term: Term) -> tuple[float, float]:
     return term.centroid()
 
 
-def whole_number(name: str, value: object, least: int) -> int:
-    """Return a whole number of at least the least one; refuse anything else."""
-    if (
-        isinstance(value, bool | np.bool_)
-        or not isinstance(value, int | np.integer)
-        or value < least
-    ):
-        raise InvalidValue(name, value, f"a whole number of at least {least}")
-    return int(value)
-
-
 def terms_per_input(n_terms: int | Sequence[int], count: int) -> list[int]:
     """Return the number of terms of each input, from one for all of them or one for each."""
-    if np.ndim(n_terms) == 0:
+    requirement = f"one whole number, or one for each of the {count} inputs"
+    if reals("n_terms", n_terms, requirement).ndim == 0:
         return [whole_number("n_terms", n_terms, 1)] * count
     numbers = [whole_number("n_terms", number, 1) for number in np.asarray(n_terms).ravel()]
     if len(numbers) != count:
-        raise InvalidValue(
-            "n_terms", n_terms, f"one whole number, or one for each of the {count} inputs"
-        )
+        raise InvalidValue("n_terms", n_terms, requirement)
     return numbers

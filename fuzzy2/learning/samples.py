@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import decimal
+import numbers
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -10,6 +12,9 @@ from numpy.typing import NDArray
 
 from fuzzy2.errors import InvalidValue, NotNumbers
 from fuzzy2.support.checks import Array, reals
+
+LEAST_RANGE = 1e-150
+"""The squares of numbers from this one to its inverse are floating-point numbers."""
 
 
 class Samples(NamedTuple):
@@ -35,6 +40,8 @@ def samples_of(estimator: str, X: Any, y: Any, sample_weight: Any = None) -> Sam
     inputs = table_of_samples("X", X)
     outputs, one_column = table_of_outputs(y, len(inputs), estimator)
     weights = weights_of(sample_weight, len(inputs))
+    for name, table in (("X", inputs), ("y", outputs)):
+        check_scale(name, table)
     kept = np.flatnonzero(weights > 0.0)
     if len(kept) < 2:
         raise InvalidValue(
@@ -61,6 +68,18 @@ def samples_of(estimator: str, X: Any, y: Any, sample_weight: Any = None) -> Sam
     )
 
 
+def check_scale(name: str, table: Array) -> None:
+    """Refuse columns whose squared values or ranges are no floating-point numbers."""
+    size, width = np.abs(table).max(axis=0, initial=0.0), np.ptp(table, axis=0)
+    if (size > 1.0 / LEAST_RANGE).any() or ((width > 0.0) & (width < LEAST_RANGE)).any():
+        raise InvalidValue(
+            name,
+            table,
+            f"at most {1.0 / LEAST_RANGE:.0e} in size, and equal or at least {LEAST_RANGE:.0e} "
+            "apart, so that squares are numbers: give it in another unit",
+        )
+
+
 def ranges_of(what: str, names: Sequence[str], columns: Array) -> list[tuple[float, float]]:
     """Return the range of every column; refuse one that has none."""
     least, greatest = columns.min(axis=0), columns.max(axis=0)
@@ -77,19 +96,7 @@ def ranges_of(what: str, names: Sequence[str], columns: Array) -> list[tuple[flo
 
 def table_of_samples(name: str, values: Any) -> Array:
     """Return samples as a table of finite floats, or say what is wrong with them."""
-    if hasattr(values, "toarray") and hasattr(values, "nnz"):
-        raise NotNumbers(name, "it is a sparse matrix; pass a dense array, such as its toarray()")
-    array = np.asarray(values)
-    if array.dtype.kind == "c":
-        raise InvalidValue(name, array.dtype, "real: Complex data not supported")
-    if array.dtype.kind not in "fiub":
-        try:
-            array = array.astype(np.float64)
-        except TypeError as error:
-            raise NotNumbers(name, str(error)) from error
-        except ValueError as error:
-            raise InvalidValue(name, array, f"numbers ({error})") from error
-    table = np.ascontiguousarray(array, dtype=np.float64)
+    table = np.ascontiguousarray(_numbers(name, values))
     if table.ndim != 2:
         raise InvalidValue(
             name,
@@ -111,6 +118,28 @@ def table_of_samples(name: str, values: Any) -> Array:
     return table
 
 
+def _numbers(name: str, values: Any) -> Array:
+    """Return values as floats, with an error in the words that scikit-learn looks for."""
+    if hasattr(values, "toarray") and hasattr(values, "nnz"):
+        raise NotNumbers(name, "it is a sparse matrix; pass a dense array, such as its toarray()")
+    if isinstance(values, np.ma.MaskedArray):
+        raise InvalidValue(name, values, "numbers without a mask, such as values.filled(0.0)")
+    try:
+        array = np.asarray(values)
+    except ValueError as error:  # rows of different lengths
+        raise InvalidValue(name, values, f"numbers ({error})") from error
+    if array.dtype.kind == "c":
+        raise InvalidValue(name, array.dtype, "real: Complex data not supported")
+    if array.dtype.kind == "O":
+        for value in array.flat:
+            if not isinstance(value, numbers.Real | decimal.Decimal | str | bytes):
+                raise NotNumbers(
+                    name,
+                    f"argument must be a string or a real number, not {type(value).__name__!r}",
+                )
+    return reals(name, values, "numbers")
+
+
 def table_of_outputs(y: Any, count: int, estimator: str = "the score") -> tuple[Array, bool]:
     """Return the outputs as a table (N, m), and whether they had one dimension."""
     if y is None:
@@ -120,8 +149,9 @@ def table_of_outputs(y: Any, count: int, estimator: str = "the score") -> tuple[
             f"the outputs of the samples: {estimator} requires y to be passed, but the target y is "
             "None",
         )
-    one_column = np.asarray(y).ndim == 1
-    table = table_of_samples("y", np.asarray(y)[:, np.newaxis] if one_column else y)
+    outputs = _numbers("y", y)
+    one_column = outputs.ndim == 1
+    table = table_of_samples("y", outputs[:, np.newaxis] if one_column else outputs)
     if len(table) != count:
         raise InvalidValue("y", table.shape, f"of {count} rows, one for each sample of X")
     return table, one_column

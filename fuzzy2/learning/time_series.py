@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue
-from fuzzy2.learning.partition import whole_number
-from fuzzy2.support.checks import Array, reals
+from fuzzy2.support.checks import Array, listed, reals, whole_number
 
 
 class Lagged(NamedTuple):
@@ -57,7 +56,7 @@ def lagged(series: ArrayLike, lags: Sequence[int], horizon: int = 1) -> Lagged:
     values = reals("series", series)
     if values.ndim not in (1, 2) or not np.isfinite(values).all():
         raise InvalidValue("series", values, "finite numbers of shape (T,) or (T, m)")
-    numbers = [whole_number("lags", lag, 0) for lag in lags]
+    numbers = [whole_number("lags", lag, 0) for lag in listed("lags", lags, "whole numbers")]
     if not numbers or len(set(numbers)) != len(numbers):
         raise InvalidValue("lags", lags, "at least one, all different")
     ahead, furthest = whole_number("horizon", horizon, 1), max(numbers)

@@ -27,7 +27,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fuzzy2.errors import CompletedRules, InvalidValue, UnknownName
+from fuzzy2.errors import CompletedRules, InvalidValue
 from fuzzy2.learning.clustering import Clusters, fuzzy_c_means
 from fuzzy2.learning.consequents import (
     COMPLETIONS,
@@ -50,11 +50,10 @@ from fuzzy2.learning.partition import (
     principal_terms,
     term_names,
     terms_per_input,
-    whole_number,
 )
 from fuzzy2.learning.samples import Samples, ranges_of, samples_of
 from fuzzy2.sets.shapes import Gaussian
-from fuzzy2.support.checks import Array, positive, real
+from fuzzy2.support.checks import Array, known_name, positive, real, whole_number
 from fuzzy2.systems.general_type2 import GeneralType2System
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 
@@ -381,8 +380,7 @@ class WangMendel(Regressor):
             ("t-norm of a rule base that is learned", self.t_norm, ("product", "min")),
         )
         for what, name, known in choices:
-            if name not in known:
-                raise UnknownName(what, name, known)
+            known_name(what, name, known)
         if self.ridge is not None:
             positive("ridge", self.ridge)
         if real("mean_variation", self.mean_variation) < 0.0:

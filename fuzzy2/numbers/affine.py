@@ -18,9 +18,21 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fuzzy2.errors import InvalidValue, NotApplicable, UnknownName
-from fuzzy2.numbers.base import Number, NumberTNorm, checked_level, crisp_operand
-from fuzzy2.support.checks import Array
+from fuzzy2.errors import InvalidValue, NotApplicable
+from fuzzy2.numbers.base import (
+    Number,
+    NumberTNorm,
+    checked_level,
+    crisp_operand,
+    fields_of_one_shape,
+)
+from fuzzy2.support.checks import (
+    Array,
+    broadcast,
+    known_name,
+    reals,
+    whole_number,
+)
 
 
 class AffineNumber(Number, ABC):
@@ -178,6 +190,8 @@ class AffineNumber(Number, ABC):
 
     def sum(self, axis: int = -1) -> Self:
         """Return the sum along one axis."""
+        if not -self.ndim <= whole_number("axis", axis, -self.ndim) < self.ndim:
+            raise InvalidValue("axis", axis, f"one of the {self.ndim} axes")
         location, width = np.moveaxis(self._location, axis, -1), np.moveaxis(self._width, axis, -1)
         return self._with(
             location.sum(axis=-1),
@@ -194,14 +208,11 @@ def _require_same_length(matrix: tuple[int, ...], vector: tuple[int, ...]) -> No
         raise InvalidValue("the shapes of a product", (matrix, vector), "(..., m, n) and (..., n)")
 
 
-def _checked_fields(location: ArrayLike, width: ArrayLike, name: str) -> tuple[Array, Array]:
+def _checked_fields(
+    location: ArrayLike, width: ArrayLike, names: tuple[str, str]
+) -> tuple[Array, Array]:
     """Return both fields as read-only arrays of one shape."""
-    centers, widths = (
-        np.array(field)
-        for field in np.broadcast_arrays(np.asarray(location, float), np.asarray(width, float))
-    )
-    if (widths < 0.0).any():  # NaN passes: it is what a system returns where no rule fires
-        raise InvalidValue(name, widths, "at least 0")
+    centers, widths = map(np.array, fields_of_one_shape(names, location, width))
     centers.setflags(write=False)
     widths.setflags(write=False)
     return centers, widths
@@ -233,14 +244,14 @@ class IntervalNumber(AffineNumber):
     spread: Array
 
     def __init__(self, center: ArrayLike, spread: ArrayLike) -> None:
-        centers, spreads = _checked_fields(center, spread, "spread")
+        centers, spreads = _checked_fields(center, spread, ("center", "spread"))
         object.__setattr__(self, "center", centers)
         object.__setattr__(self, "spread", spreads)
 
     @classmethod
     def from_ends(cls, ends: ArrayLike) -> IntervalNumber:
         """Return the numbers with the given (..., 2) left and right ends."""
-        pairs = np.asarray(ends, dtype=float)
+        pairs = reals("ends", ends)
         if pairs.shape[-1:] != (2,):
             raise InvalidValue("ends", pairs, "an array of shape (..., 2)")
         left, right = pairs[..., 0], pairs[..., 1]
@@ -282,8 +293,8 @@ class IntervalNumber(AffineNumber):
 
         NaN gives NaN.
         """
-        points = np.asarray(x, dtype=float)
-        distance = np.abs(points - self.center)
+        points, center = broadcast("x and the numbers", reals("x", x), self.center)
+        distance = np.abs(points - center)
         return np.where(
             np.isnan(distance + self.spread), np.nan, (distance <= self.spread).astype(float)
         )
@@ -323,9 +334,8 @@ class GaussianNumber(AffineNumber):
     t_norm: NumberTNorm
 
     def __init__(self, mean: ArrayLike, sigma: ArrayLike, t_norm: NumberTNorm = "product") -> None:
-        if t_norm not in ("product", "min"):
-            raise UnknownName("t-norm of Gaussian numbers", t_norm, ("product", "min"))
-        means, sigmas = _checked_fields(mean, sigma, "sigma")
+        known_name("t-norm of Gaussian numbers", t_norm, ("product", "min"))
+        means, sigmas = _checked_fields(mean, sigma, ("mean", "sigma"))
         object.__setattr__(self, "mean", means)
         object.__setattr__(self, "sigma", sigmas)
         object.__setattr__(self, "t_norm", t_norm)
@@ -383,7 +393,8 @@ class GaussianNumber(AffineNumber):
 
         NaN gives NaN.
         """
-        distance = np.asarray(x, dtype=float) - self.mean
+        points, mean = broadcast("x and the numbers", reals("x", x), self.mean)
+        distance = points - mean
         crisp = self.sigma == 0.0
         with np.errstate(over="ignore", under="ignore"):  # far tails are 0
             gaussian = np.exp(-0.5 * (distance / np.where(crisp, 1.0, self.sigma)) ** 2)

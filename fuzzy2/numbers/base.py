@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
-import numpy as np
+from typing import Any, Literal
 
 from fuzzy2.errors import InvalidValue
-from fuzzy2.support.checks import Array
+from fuzzy2.support.checks import Array, broadcast, real, reals
 
 NumberTNorm = Literal["product", "min"]
 
@@ -24,14 +22,28 @@ def crisp_operand(value: object) -> Array | None:
     if isinstance(value, Number):
         return None
     try:
-        array = np.asarray(value)
-        return array.astype(float) if array.dtype.kind in "biuf" else None
-    except (TypeError, ValueError):
+        return reals("a crisp number", value)  # type: ignore[arg-type] # others are refused there
+    except InvalidValue:
         return None
+
+
+def fields_of_one_shape(names: tuple[str, str], location: Any, width: Any) -> tuple[Array, Array]:
+    """Return both fields of fuzzy numbers, brought to one shape; the widths are not negative.
+
+    NaN passes: it is what a system returns where no rule fires.
+    """
+    centers, widths = broadcast(
+        " and ".join(names), reals(names[0], location), reals(names[1], width)
+    )
+    if (widths < 0.0).any():
+        raise InvalidValue(names[1], widths, "at least 0")
+    return centers, widths
 
 
 def checked_level(alpha: float) -> float:
     """Return a level of α-cuts that is above 0 and at most 1; refuse others."""
-    if not 0.0 < alpha <= 1.0:
-        raise InvalidValue("alpha", alpha, "a level above 0 and at most 1")
-    return float(alpha)
+    requirement = "a level above 0 and at most 1"
+    level = real("alpha", alpha, requirement)
+    if not 0.0 < level <= 1.0:
+        raise InvalidValue("alpha", alpha, requirement)
+    return level

@@ -14,7 +14,7 @@ from fuzzy2.numbers.affine import AffineNumber, GaussianNumber, IntervalNumber
 from fuzzy2.numbers.base import Number, crisp_operand
 from fuzzy2.operations.extension import LOWEST_LEVEL_OF_UNBOUNDED_SETS
 from fuzzy2.sets.type1 import Type1Set
-from fuzzy2.support.checks import Array
+from fuzzy2.support.checks import Array, broadcast, reals, share
 
 
 def _default_levels() -> Array:
@@ -64,7 +64,7 @@ class FuzzyNumber(Number):
     __hash__ = None  # type: ignore[assignment]  # arrays are compared by value and have no hash
 
     def __init__(self, left: ArrayLike, right: ArrayLike, levels: ArrayLike | None = None) -> None:
-        heights = _default_levels() if levels is None else np.array(levels, dtype=float)
+        heights = _default_levels() if levels is None else np.array(reals("levels", levels))
         if (
             heights.ndim != 1
             or heights.size < 2
@@ -75,7 +75,7 @@ class FuzzyNumber(Number):
             raise InvalidValue("levels", heights, "ascending from 0 to 1")
         lower, upper = (
             np.array(end)
-            for end in np.broadcast_arrays(np.asarray(left, float), np.asarray(right, float))
+            for end in broadcast("left and right", reals("left", left), reals("right", right))
         )
         if lower.shape[-1:] != heights.shape:
             raise InvalidValue(
@@ -124,7 +124,7 @@ class FuzzyNumber(Number):
         """
         if isinstance(value, FuzzyNumber):
             return value if levels is None else value.at_levels(levels)
-        heights = _default_levels() if levels is None else np.asarray(levels, dtype=float)
+        heights = _default_levels() if levels is None else reals("levels", levels)
         crisp = crisp_operand(value)
         if crisp is not None:
             ends = np.repeat(crisp[..., None], heights.size, axis=-1)
@@ -193,7 +193,9 @@ class FuzzyNumber(Number):
 
     def at_levels(self, levels: ArrayLike) -> FuzzyNumber:
         """Return the same numbers with their cuts at other levels, interpolated linearly."""
-        heights = np.asarray(levels, dtype=float)
+        heights = reals("levels", levels)
+        if heights.ndim != 1 or not ((heights >= 0.0) & (heights <= 1.0)).all():
+            raise InvalidValue("levels", levels, "ascending from 0 to 1")
         if np.array_equal(heights, self.levels):
             return self
         return FuzzyNumber(
@@ -213,9 +215,7 @@ class FuzzyNumber(Number):
 
     def interval(self, alpha: float) -> Array:
         """Return the (..., 2) ends of the α-cuts, 0 <= alpha <= 1."""
-        if not 0.0 <= alpha <= 1.0:
-            raise InvalidValue("alpha", alpha, "a level from 0 to 1")
-        heights = np.array([alpha])
+        heights = np.array([share("alpha", alpha, "a level from 0 to 1")])
         return np.concatenate(
             [self._ends_at(self.left, heights), self._ends_at(self.right, heights)], axis=-1
         )
@@ -229,9 +229,8 @@ class FuzzyNumber(Number):
 
         NaN gives NaN.
         """
-        points = np.asarray(x, dtype=float)
-        shape = np.broadcast_shapes(points.shape, self.shape)
-        points = np.broadcast_to(points, shape)
+        points, _ = broadcast("x and the numbers", reals("x", x), self.left[..., 0])
+        shape = points.shape
         left, right = (
             np.broadcast_to(end, (*shape, self.levels.size)) for end in (self.left, self.right)
         )

@@ -7,8 +7,10 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue
 from fuzzy2.numbers.affine import GaussianNumber
+from fuzzy2.numbers.base import fields_of_one_shape
 from fuzzy2.operations.join_meet import meet
 from fuzzy2.sets.shapes import Gaussian
+from fuzzy2.support.checks import whole_number
 
 
 def gaussian_meet(means: ArrayLike, sigmas: ArrayLike) -> GaussianNumber:
@@ -43,14 +45,9 @@ def gaussian_meet(means: ArrayLike, sigmas: ArrayLike) -> GaussianNumber:
     InvalidValue
         If there are no memberships to meet, or a standard deviation is negative.
     """
-    m, sigma = (
-        np.asarray(field)
-        for field in np.broadcast_arrays(np.asarray(means, float), np.asarray(sigmas, float))
-    )
+    m, sigma = fields_of_one_shape(("means", "sigmas"), means, sigmas)
     if m.ndim == 0 or m.shape[-1] == 0:
         raise InvalidValue("means", m, "of shape (..., n) with n of at least 1")
-    if (sigma < 0.0).any():
-        raise InvalidValue("sigmas", sigma, "at least 0")
     # Products of all means but one, without dividing: a mean may be 0.
     before = np.cumprod(np.concatenate([np.ones_like(m[..., :1]), m[..., :-1]], axis=-1), axis=-1)
     after = np.cumprod(np.concatenate([np.ones_like(m[..., :1]), m[..., :0:-1]], axis=-1), axis=-1)[
@@ -83,7 +80,9 @@ def gaussian_meet_error(means: ArrayLike, sigmas: ArrayLike, points: int = 1001)
     float
         Largest difference of the grades.
     """
-    pairs = np.broadcast(np.atleast_1d(np.asarray(means, float)), np.asarray(sigmas, float))
+    mean_of, sigma_of = fields_of_one_shape(("means", "sigmas"), means, sigmas)
+    pairs = zip(mean_of.ravel(), sigma_of.ravel(), strict=True)
+    count = whole_number("points", points, 2)
     exact = meet(*(Gaussian(float(mean), float(sigma)) for mean, sigma in pairs), t_norm="product")
-    theta = np.linspace(0.0, 1.0, points)
+    theta = np.linspace(0.0, 1.0, count)
     return float(np.abs(gaussian_meet(means, sigmas)(theta) - exact(theta)).max())

@@ -20,7 +20,7 @@ from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.operations.t_norms import T_NORMS, BinaryFunction, TNorm
 from fuzzy2.operations.t_norms import t_norm as as_t_norm
 from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
-from fuzzy2.support.checks import Array
+from fuzzy2.support.checks import Array, function
 
 # Combinations that are held at once: 32 MiB per array.
 CHUNK = 1 << 22
@@ -102,6 +102,7 @@ def extend(
         If a set is unbounded even at the membership 1e-6.
     """
     require_sets(sets)
+    function("f", f)
     norm = as_t_norm(t_norm)
     if all(is_discrete(operand) for operand in sets):
         return enumerated(f, [discrete_points(operand) for operand in sets], norm)

@@ -31,7 +31,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from fuzzy2.errors import InvalidValue, NotApplicable, UnknownName
+from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.operations.continuous_meet import ContinuousMeet
 from fuzzy2.operations.extension import discrete_points, enumerated, is_discrete, require_sets
 from fuzzy2.operations.joined_sets import (
@@ -51,7 +51,7 @@ from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.sigmoids import Sigmoid
 from fuzzy2.sets.smooth_shapes import Bell
 from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
-from fuzzy2.support.checks import Array
+from fuzzy2.support.checks import Array, known_name
 
 TNormLike: TypeAlias = str | TNorm | BinaryFunction
 TConormLike: TypeAlias = str | TConorm | BinaryFunction
@@ -101,6 +101,7 @@ def join(
     """
     require_sets(sets)
     conorm = as_t_conorm(t_conorm)
+    as_t_norm(t_norm)
     grade_norm = as_t_norm(t_norm if grade_t_norm is None else grade_t_norm)
     if conorm is T_CONORMS["max"]:
         return _extremum("join", sets, grade_norm, method)
@@ -286,8 +287,7 @@ def _discrete_extremum(kind: str, sets: Sequence[Type1Set], grade_norm: TNorm) -
 
 
 def _require_known(method: str) -> None:
-    if method not in METHODS:
-        raise UnknownName("method", method, METHODS)
+    known_name("method", method, METHODS)
 
 
 def _require_general(method: str, what: str) -> None:

@@ -27,7 +27,7 @@ from fuzzy2.operations.t_norms import t_conorm as as_t_conorm
 from fuzzy2.operations.t_norms import t_norm as as_t_norm
 from fuzzy2.sets.shapes import Interval
 from fuzzy2.sets.type1 import Singleton, Type1Set
-from fuzzy2.support.checks import Array
+from fuzzy2.support.checks import Array, reals
 
 Kind: TypeAlias = Literal["type-1", "interval", "general"]
 Relation: TypeAlias = NDArray[Any]
@@ -90,7 +90,7 @@ def _checked(name: str, value: RelationLike, universes: int) -> tuple[Kind, Rela
             raise InvalidValue(name, secondaries.shape, requirement)
         return "general", secondaries
     try:
-        grades = np.asarray(value, dtype=float)
+        grades = reals("a relation", value)
     except (TypeError, ValueError) as error:
         raise InvalidValue(name, value, requirement) from error
     kind: Kind = "type-1" if grades.ndim == universes else "interval"
@@ -109,9 +109,7 @@ def _checked(name: str, value: RelationLike, universes: int) -> tuple[Kind, Rela
 
 def _dimensions(value: RelationLike) -> int:
     try:
-        return (
-            _objects(value).ndim if _holds_sets(value) else np.ndim(np.asarray(value, dtype=float))
-        )
+        return _objects(value).ndim if _holds_sets(value) else reals("a relation", value).ndim
     except (TypeError, ValueError) as error:
         raise InvalidValue("R", value, "numbers, or secondary memberships") from error
 
@@ -170,6 +168,7 @@ def cartesian_product(
     """
     if not sets:
         raise InvalidValue("sets", sets, "at least one set")
+    as_t_norm(t_norm if grade_t_norm is None else grade_t_norm)
     kind, operands = _same_kind([_checked("a set", one, 1) for one in sets])
     shape = tuple(operand.shape[0] for operand in operands)
     if kind == "general":
@@ -233,6 +232,7 @@ def compose(
         If an argument is of none of the three kinds, both are not of the same kind, or the
         universes V differ in size.
     """
+    as_t_norm(t_norm if grade_t_norm is None else grade_t_norm)
     kind, second = _checked("S", S, 2)
     is_set = _dimensions(R) == second.ndim - 1
     first_kind, first = _checked("R", R, 1 if is_set else 2)

@@ -60,6 +60,9 @@ def union(
     InvalidValue
         If an argument is not a fuzzy set.
     """
+    # Not all of them matter to all kinds of sets, but a misspelled name should not wait.
+    as_t_norm(t_norm if grade_t_norm is None else grade_t_norm)
+    as_t_norm(t_norm)
     supports = _supports(sets)
     domain = min(left for left, _ in supports), max(right for _, right in supports)
     return _combined(
@@ -92,6 +95,7 @@ def intersection(
     InvalidValue
         If an argument is not a fuzzy set.
     """
+    as_t_norm(t_norm if grade_t_norm is None else grade_t_norm)
     supports = _supports(sets)
     left, right = max(left for left, _ in supports), min(right for _, right in supports)
     # Of sets that do not meet nothing is left; a point between them is as good a domain as any.

@@ -12,7 +12,7 @@ from fuzzy2.errors import InvalidValue
 from fuzzy2.plots.names import literal
 from fuzzy2.plots.panels import Panels, cycle_colors, given_panels, muted, new_panels
 from fuzzy2.plots.sets import domain_of, points_of
-from fuzzy2.support.checks import Array
+from fuzzy2.support.checks import Array, of_kind
 from fuzzy2.systems.antecedents import leaves, trees_of
 from fuzzy2.systems.explanation import Explanation
 from fuzzy2.systems.operators import SUM
@@ -55,6 +55,7 @@ def figure_of_inference(
     InvalidValue
         If there is no such output, or another number of axes is given.
     """
+    of_kind("explanation", explanation, Explanation, "what explain() of a system returns")
     explanation = explanation.pictured
     system = explanation.system
     if not 0 <= output < system.n_outputs:

@@ -18,7 +18,10 @@ from fuzzy2.plots.panels import (
     new_panels,
 )
 from fuzzy2.plots.sets import domain_of, draw_set, draw_type1, label_memberships
+from fuzzy2.sets.general_type2 import GeneralType2Set
+from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.type1 import Type1Set
+from fuzzy2.support.checks import of_kind
 
 
 def _draw_discrete(
@@ -62,6 +65,8 @@ def figure_of_operations(
     InvalidValue
         If another number of axes is given.
     """
+    for name, one in (("first", first), ("second", second)):
+        of_kind(name, one, (Type1Set, IntervalType2Set, GeneralType2Set), "a fuzzy set")
     panels = given_panels(axes, 3) or new_panels(6.0, 7.0, 3, sharex=True)
     domain, colors = domain_of([first, second]), cycle_colors()
     results = {

@@ -28,8 +28,8 @@ def given_panels(
     if axes is None:
         return None
     panels = tuple(np.ravel(np.asarray(axes, dtype=object)))
-    if len(panels) != count:
-        raise error("axes", len(panels), f"{count} axes for this figure")
+    if len(panels) != count or not all(isinstance(panel, Axes) for panel in panels):
+        raise error("axes", axes, f"{count} axes of matplotlib for this figure")
     return panels
 
 

@@ -29,7 +29,7 @@ from fuzzy2.plots.panels import (
 from fuzzy2.sets.general_type2 import GeneralType2Set
 from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
-from fuzzy2.support.checks import Array, reals
+from fuzzy2.support.checks import Array, of_kind, reals
 from fuzzy2.support.quadrature import merged
 
 POINTS = 513
@@ -189,6 +189,13 @@ def figure_of_sets(
         If another number of axes is given, or there is no set.
     """
     named: Mapping[Any, FuzzySet] = sets if isinstance(sets, Mapping) else {None: sets}
+    for one in named.values():
+        of_kind(
+            "sets",
+            one,
+            (Type1Set, IntervalType2Set, GeneralType2Set),
+            "a fuzzy set, or a mapping from names to sets",
+        )
     if not named:
         raise InvalidValue("sets", sets, "at least one fuzzy set")
     (panel,) = given_panels(axes, 1) or new_panels(6.0, 3.0)
@@ -229,6 +236,7 @@ def figure_from_above(
     InvalidValue
         If another number of axes is given.
     """
+    of_kind("fuzzy_set", fuzzy_set, GeneralType2Set, "a general type-2 set")
     (panel,) = given_panels(axes, 1) or new_panels(6.0, 3.6)
     domain = domain_of([fuzzy_set])
     image = _draw_general(panel, fuzzy_set, domain, cycle_colors()[0], "principal")
@@ -269,6 +277,7 @@ def figure_in_space(
     NotApplicable
         If a vertical slice is not convex.
     """
+    of_kind("fuzzy_set", fuzzy_set, GeneralType2Set, "a general type-2 set")
     panel = space_panel(axes)
     domain = domain_of([fuzzy_set])
     points, across = np.linspace(*domain, 121), np.linspace(0.0, 1.0, 41)
@@ -345,6 +354,7 @@ def figure_of_secondaries(
     InvalidValue
         If another number of axes is given.
     """
+    of_kind("fuzzy_set", fuzzy_set, (IntervalType2Set, GeneralType2Set), "a type-2 set")
     (panel,) = given_panels(axes, 1) or new_panels(6.0, 3.0)
     colors = cycle_colors()
     for n, point in enumerate(np.atleast_1d(reals("x", x)).tolist()):

@@ -20,7 +20,7 @@ from fuzzy2.plots.panels import (
     space_panel,
 )
 from fuzzy2.sets.type1 import ROUNDING
-from fuzzy2.support.checks import Array, reals
+from fuzzy2.support.checks import Array, of_kind, reals, whole_number
 from fuzzy2.systems.general_type2 import GeneralType2System
 from fuzzy2.systems.system import FuzzySystem
 
@@ -180,7 +180,11 @@ def _grid(
 
     Their shapes are (count,) each, and (count, ..., p).
     """
+    of_kind("system", system, FuzzySystem, "a fuzzy system")
     covered = system.domain()
+    for i in varied:
+        if whole_number("varied", i, 0) >= len(covered):
+            raise InvalidValue("varied", i, f"numbers of the {len(covered)} inputs, from 0")
     middle = covered.mean(axis=1) if held is None else reals("held", held)
     if middle.shape != (len(covered),):
         raise InvalidValue("held", middle.shape, f"one value for each of the {len(covered)} inputs")

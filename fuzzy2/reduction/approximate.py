@@ -31,12 +31,12 @@ from typing import Generic, NamedTuple, TypeAlias, TypeVar, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fuzzy2.errors import InvalidValue, NotApplicable, UnknownName
+from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.numbers.affine import GaussianNumber, IntervalNumber
 from fuzzy2.numbers.base import NumberTNorm
 from fuzzy2.numbers.fuzzy_number import FuzzyNumber
 from fuzzy2.sets.type1 import Type1Set
-from fuzzy2.support.checks import Array, reals
+from fuzzy2.support.checks import Array, known_name, reals
 
 STANDARD_DEVIATIONS = 2.0
 """Half-width :math:`k` of a Gaussian weight, in standard deviations, in its validity measure
@@ -154,8 +154,8 @@ def approximate_generalized_centroid(
     -----
     Karnik and Mendel, "Centroid of a type-2 fuzzy set", Information Sciences 132 (2001).
     """
-    if t_norm not in (None, "product", "min"):
-        raise UnknownName("t-norm of an approximate reduction", t_norm, ("product", "min"))
+    if t_norm is not None:
+        known_name("t-norm of an approximate reduction", t_norm, ("product", "min"))
     points, weights = _number(Z, "Z"), _number(W, "W")
     if isinstance(points, _SPREAD_KINDS) and isinstance(weights, _SPREAD_KINDS):
         return _of_intervals(_interval(points), _interval(weights))

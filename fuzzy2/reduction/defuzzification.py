@@ -18,10 +18,10 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fuzzy2.errors import InvalidValue, NotApplicable, UnknownName
+from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.sets.curves import refined
 from fuzzy2.sets.type1 import ROUNDING, SampledSet, Type1Set
-from fuzzy2.support.checks import Array, reals
+from fuzzy2.support.checks import Array, known_name, of_kind, reals
 
 Rule = TypeVar("Rule")
 
@@ -51,6 +51,7 @@ def defuzzify(fuzzy_set: Type1Set, method: str = "centroid") -> float:
     NotApplicable
         If the set is unbounded and has no finite centroid or area, or never reaches its maximum.
     """
+    of_kind("fuzzy_set", fuzzy_set, Type1Set, "a type-1 set; take a center of a type-2 set")
     return _named(method, _OF_SETS)(fuzzy_set)
 
 
@@ -242,8 +243,7 @@ def _maxima(fuzzy_set: Type1Set) -> tuple[float, float]:
 
 
 def _named(method: str, rules: MappingProxyType[str, Rule]) -> Rule:
-    if method not in rules:
-        raise UnknownName("defuzzifier", method, tuple(rules))
+    known_name("defuzzifier", method, rules)
     return rules[method]
 
 

@@ -21,6 +21,7 @@ narrower the result would be, and with sampled secondaries it depends on the sam
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterable
 from typing import NamedTuple
 
@@ -35,7 +36,7 @@ from fuzzy2.reduction.interval import generalized_centroid
 from fuzzy2.sets.general_type2 import GeneralType2Set, SampledType2Set
 from fuzzy2.sets.shapes import Interval
 from fuzzy2.sets.type1 import ROUNDING, SampledSet, Type1Set
-from fuzzy2.support.checks import Array, real, reals
+from fuzzy2.support.checks import Array, listed, of_kind, real, reals, whole_number
 from fuzzy2.support.quadrature import merged
 
 MOST_EMBEDDED_SETS = 1_000_000
@@ -165,9 +166,10 @@ def alpha_plane_centroid(
     InvalidValue, UnknownName
         See :func:`alpha_plane_reduction`.
     """
+    of_kind("fuzzy_set", fuzzy_set, GeneralType2Set, "a general type-2 set")
     points = reals("x", x)
     planes = [
-        fuzzy_set.alpha_plane(float(alpha)) for alpha in np.atleast_1d(reals("alphas", alphas))
+        fuzzy_set.alpha_plane(alpha) for alpha in _levels(np.atleast_1d(reals("alphas", alphas)))
     ]
     weights = np.stack(
         [np.stack([plane.lower(points), plane.upper(points)], axis=-1) for plane in planes]
@@ -298,15 +300,19 @@ def exhaustive_generalized_centroid(
         If there are more of them than the limit.
     """
     norm = norm_of(t_norm)
-    points = [_discretized("Z", item, norm, samples, -math.inf) for item in Z]
-    weights = [_discretized("W", item, norm, samples, 0.0) for item in W]
+    if samples is not None:
+        whole_number("samples", samples, 2)
+    most = whole_number("limit", limit, 1, sys.maxsize)
+    sets = "a list of type-1 sets or numbers"
+    points = [_discretized("Z", item, norm, samples, -math.inf) for item in listed("Z", Z, sets)]
+    weights = [_discretized("W", item, norm, samples, 0.0) for item in listed("W", W, sets)]
     if len(points) != len(weights) or not points:
         raise InvalidValue(
             "Z and W", (len(points), len(weights)), "as many points as weights, at least one"
         )
     count = math.prod(values.size for values, _ in (*points, *weights))
-    if count > limit:
-        raise TooManyEmbeddedSets(count, limit)
+    if count > most:
+        raise TooManyEmbeddedSets(count, most)
     # About one of the points, so that points far from zero keep their digits.
     origin = float(points[0][0][0])
     moment, mass, grade = np.zeros(1), np.zeros(1), np.ones(1)
@@ -359,6 +365,7 @@ def exhaustive_centroid(
     TooManyEmbeddedSets
         If there are more of them than the limit.
     """
+    of_kind("fuzzy_set", fuzzy_set, SampledType2Set, "a SampledType2Set, such as of sample()")
     return exhaustive_generalized_centroid(fuzzy_set.points, fuzzy_set.slices, t_norm, limit=limit)
 
 

@@ -26,8 +26,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fuzzy2.errors import InvalidValue, UnknownName
-from fuzzy2.support.checks import Array, binary_exponent, reals
+from fuzzy2.errors import InvalidValue
+from fuzzy2.support.checks import Array, binary_exponent, known_name, real, reals
 from fuzzy2.support.pieces import pieces
 
 METHODS = ("km", "ekm", "iasc", "eiasc", "scan")
@@ -48,9 +48,7 @@ class WuMendelBounds(NamedTuple):
 
 
 def _code(method: str) -> int:
-    if method not in METHODS:
-        raise UnknownName("type-reduction method", method, METHODS)
-    return METHODS.index(method)
+    return METHODS.index(known_name("type-reduction method", method, METHODS))
 
 
 def _weights(w: ArrayLike) -> Array:
@@ -303,7 +301,8 @@ def begian_melek_mendel(z: ArrayLike, w: ArrayLike, m: float = 0.5, n: float = 0
         _ratio((points * weights[..., end]).sum(axis=-1), weights[..., end].sum(axis=-1))
         for end in (0, 1)
     )
-    return _unscaled(m * np.where(np.isnan(low), high, low) + n * high, scale)
+    lower, upper = real("m", m), real("n", n)
+    return _unscaled(lower * np.where(np.isnan(low), high, low) + upper * high, scale)
 
 
 def _ratio(numerator: Array, denominator: Array) -> Array:

@@ -12,7 +12,7 @@ import numpy as np
 from fuzzy2.errors import InvalidValue
 from fuzzy2.sets.curves import refined
 from fuzzy2.sets.type1 import ROUNDING, SampledSet, Type1Set, keep_nan, set_fields
-from fuzzy2.support.checks import Array, ascending, maybe_infinite, real
+from fuzzy2.support.checks import Array, ascending, function, listed, maybe_infinite, real
 from fuzzy2.support.quadrature import merged
 
 
@@ -50,10 +50,18 @@ class FunctionalSet(Type1Set):
     slope: Callable[[Array], Array] | None = None
 
     def __post_init__(self) -> None:
+        function("function", self.function)
+        if self.slope is not None:
+            function("slope", self.slope)
         left, right = maybe_infinite("left", self.left), maybe_infinite("right", self.right)
         ascending("left, right", (left, right))
         set_fields(
-            self, left=left, right=right, knots=tuple(real("knots", knot) for knot in self.knots)
+            self,
+            left=left,
+            right=right,
+            knots=tuple(
+                real("knots", knot) for knot in listed("knots", self.knots, "a list of numbers")
+            ),
         )
         if self._landmarks().size < 2 and left != right:
             raise InvalidValue(

@@ -10,7 +10,7 @@ from fuzzy2.errors import InvalidValue
 from fuzzy2.sets.derived import Truncated
 from fuzzy2.sets.general_type2 import GeneralType2Set
 from fuzzy2.sets.type1 import Singleton, Type1Set, set_fields
-from fuzzy2.support.checks import Array, ascending, maybe_infinite, real
+from fuzzy2.support.checks import Array, ascending, function, listed, maybe_infinite, real
 from fuzzy2.support.quadrature import merged
 
 
@@ -40,10 +40,16 @@ class FunctionalType2Set(GeneralType2Set):
     knots: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
+        function("function", self.function)
         left, right = maybe_infinite("left", self.left), maybe_infinite("right", self.right)
         ascending("left, right", (left, right))
         set_fields(
-            self, left=left, right=right, knots=tuple(real("knots", knot) for knot in self.knots)
+            self,
+            left=left,
+            right=right,
+            knots=tuple(
+                real("knots", knot) for knot in listed("knots", self.knots, "a list of numbers")
+            ),
         )
         if self.landmarks.size < 2 and left != right:
             raise InvalidValue(

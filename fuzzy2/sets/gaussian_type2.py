@@ -16,8 +16,8 @@ from fuzzy2.sets.curves import gaussian, gaussian_reach
 from fuzzy2.sets.derived import FunctionalSet, Truncated
 from fuzzy2.sets.general_type2 import GeneralType2Set
 from fuzzy2.sets.shapes import Gaussian
-from fuzzy2.sets.type1 import KernelRow, Singleton, Type1Set, set_fields
-from fuzzy2.support.checks import Array, ascending, maybe_infinite, real, reals
+from fuzzy2.sets.type1 import KernelRow, Singleton, Type1Set, pair_of_numbers, set_fields
+from fuzzy2.support.checks import Array, ascending, real, reals
 from fuzzy2.support.quadrature import merged
 
 
@@ -77,7 +77,7 @@ class GaussianType2Set(GeneralType2Set):
                 sigma=real("sigma", self.sigma, "a finite number of at least 0, or a function"),
             )
             self.spread(0.0)
-        left, right = (maybe_infinite("domain", end) for end in self.domain)
+        left, right = pair_of_numbers("domain", self.domain, "two numbers in ascending order")
         ascending("domain", (left, right))
         set_fields(self, domain=(left, right))
         if self.principal.support[0] > right or self.principal.support[1] < left:

@@ -27,7 +27,7 @@ from fuzzy2.sets.interval_type2 import IntervalType2Set, check_below
 from fuzzy2.sets.pictures import ShownSet
 from fuzzy2.sets.type1 import ROUNDING, SampledSet, Singleton, Type1Set, keep_nan, set_fields
 from fuzzy2.sets.vertical_slices import Staircase, cuts_of, maxima_of, slice_between
-from fuzzy2.support.checks import Array, grade, real, reals
+from fuzzy2.support.checks import Array, broadcast, grade, listed, of_kind, real, reals, share
 from fuzzy2.support.quadrature import merged
 
 
@@ -191,7 +191,7 @@ class GeneralType2Set(ShownSet, ABC):
         (...,) array
             Secondary grades, NaN where an argument is.
         """
-        points, memberships = np.broadcast_arrays(reals("x", x), reals("u", u))
+        points, memberships = broadcast("x and u", reals("x", x), reals("u", u))
         missing = np.isnan(points) | np.isnan(memberships)
         grades = self._secondary_grades(
             np.where(missing, self.landmarks[0], points), np.where(missing, 0.0, memberships)
@@ -220,9 +220,7 @@ class GeneralType2Set(ShownSet, ABC):
         NotApplicable
             If a vertical slice is not convex: when the plane is evaluated there.
         """
-        level = real("alpha", alpha, "in [0, 1]")
-        if not 0.0 <= level <= 1.0:
-            raise InvalidValue("alpha", alpha, "in [0, 1]")
+        level = share("alpha", alpha)
         return AlphaPlane(self._bound_set(level, 0), self._bound_set(level, 1), level)
 
     def zslices(self, alphas: Sequence[float]) -> ZSlices:
@@ -230,7 +228,8 @@ class GeneralType2Set(ShownSet, ABC):
 
         A staircase of its α-planes at ascending grades in (0, 1].
         """
-        return ZSlices(tuple(alphas), tuple(self.alpha_plane(alpha) for alpha in alphas))
+        levels = listed("alphas", alphas, "a list of grades")
+        return ZSlices(levels, tuple(self.alpha_plane(level) for level in levels))
 
     def sample(self, x: ArrayLike, u: ArrayLike) -> SampledType2Set:
         """Return the set sampled in both directions: a discrete-membership type-2 set.
@@ -248,7 +247,10 @@ class GeneralType2Set(ShownSet, ABC):
         SampledType2Set
             With slices of at most M + 1 primary memberships.
         """
-        points, memberships = reals("x", x), np.append(reals("u", u), np.nan)
+        points, given = reals("x", x), reals("u", u)
+        if not ((given >= 0.0) & (given <= 1.0)).all():
+            raise InvalidValue("u", u, "primary memberships in [0, 1]")
+        memberships = np.append(given, np.nan)
         slices = []
         for point in points.ravel():
             memberships[-1] = self._principal(np.array(point))
@@ -308,8 +310,11 @@ class SampledType2Set(GeneralType2Set):
             raise InvalidValue(
                 "points", points, "finite, distinct numbers of shape (N,) with N of at least 1"
             )
+        slices = listed("slices", slices, "a list of type-1 sets")
         if len(slices) != x.size:
             raise InvalidValue("slices", len(slices), f"one for each of the {x.size} points")
+        for one in slices:
+            of_kind("slices", one, Type1Set, "type-1 sets")
         for point, vertical_slice in zip(x, slices, strict=True):
             first, last = vertical_slice.support
             if first < -ROUNDING or last > 1.0 + ROUNDING:
@@ -433,12 +438,15 @@ class ZSlices(GeneralType2Set):
     planes: tuple[IntervalType2Set | Type1Set, ...]
 
     def __post_init__(self) -> None:
-        alphas = tuple(grade("alphas", alpha) for alpha in self.alphas)
+        levels = listed("alphas", self.alphas, "a list of grades")
+        alphas = tuple(grade("alphas", alpha) for alpha in levels)
         if not alphas or any(after <= before for before, after in itertools.pairwise(alphas)):
             raise InvalidValue(
                 "alphas", self.alphas, "at least one level, and each above the one before it"
             )
-        planes = tuple(self.planes)
+        planes = listed("planes", self.planes, "a list of interval type-2 sets")
+        for plane in planes:
+            of_kind("planes", plane, (IntervalType2Set, Type1Set), "interval type-2 sets")
         if len(planes) != len(alphas):
             raise InvalidValue("planes", len(planes), f"one for each of the {len(alphas)} levels")
         for i, (outer, inner) in enumerate(itertools.pairwise(planes)):

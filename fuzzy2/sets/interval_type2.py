@@ -21,7 +21,7 @@ from fuzzy2.sets.pictures import ShownSet
 from fuzzy2.sets.shapes import Gaussian, Interval
 from fuzzy2.sets.type1 import ROUNDING, KernelRow, SampledSet, Type1Set, keep_nan, set_fields
 from fuzzy2.sets.uncertain_mean import FarthestMeanGaussian, NearestMeanGaussian
-from fuzzy2.support.checks import Array, ascending_pair, positive, real, reals
+from fuzzy2.support.checks import Array, ascending_pair, positive, real, reals, share, true_or_false
 from fuzzy2.support.quadrature import Moments, merged
 
 MOST_ITERATIONS = 1000  # ten are usual
@@ -90,6 +90,7 @@ class IntervalType2Set(ShownSet):
 
     def alpha_plane(self, alpha: float) -> IntervalType2Set:
         """Return the set itself: its secondary grades are all 1."""
+        share("alpha", alpha)
         return self
 
     @property
@@ -179,8 +180,9 @@ class IntervalType2Set(ShownSet):
             return EmbeddedSet(
                 self, tuple(edges.tolist()), tuple(choice.uniform(size=edges.size + 1).tolist())
             )
+        shares = (1.0, 0.0) if true_or_false("upper_first", upper_first) else (0.0, 1.0)
         return EmbeddedSet(
-            self, (real("choice", choice),), (1.0, 0.0) if upper_first else (0.0, 1.0)
+            self, (real("choice", choice, "a finite number, or a random generator"),), shares
         )
 
     def sample(self, x: ArrayLike) -> IntervalType2Set:

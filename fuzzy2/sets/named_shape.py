@@ -39,10 +39,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fuzzy2.errors import InvalidValue, UnknownName
+from fuzzy2.errors import InvalidValue
 from fuzzy2.sets.derived import FunctionalSet
 from fuzzy2.sets.type1 import Type1Set, set_fields
-from fuzzy2.support.checks import Array, maybe_infinite, real
+from fuzzy2.support.checks import Array, known_name, listed, maybe_infinite, real
 
 _Numbers = tuple[float, ...]
 
@@ -261,11 +261,13 @@ class NamedShape(Type1Set):
     scale: float = 1.0
 
     def __post_init__(self) -> None:
-        if self.shape not in _SHAPES:
-            raise UnknownName("shape", self.shape, SHAPES)
+        known_name("shape", self.shape, SHAPES)
         # Only the direction of "binary" may be infinite.
         check = maybe_infinite if self.shape == "binary" else real
-        numbers = tuple(check("parameters", one) for one in self.parameters)
+        numbers = tuple(
+            check("parameters", one)
+            for one in listed("parameters", self.parameters, "a list of numbers")
+        )
         kind = _SHAPES[self.shape]
         if not numbers or not kind.valid(numbers) or not math.isfinite(numbers[0]):
             raise InvalidValue(f"the parameters of {self.shape}", numbers, kind.requirement)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.sets.pictures import ShownSet
-from fuzzy2.support.checks import Array, maybe_infinite, real, reals
+from fuzzy2.support.checks import Array, maybe_infinite, real, reals, share, whole_number
 from fuzzy2.support.quadrature import Moments, merged
 
 ROUNDING = 1e-12
@@ -151,6 +151,7 @@ class Type1Set(ShownSet, ABC):
 
     def alpha_plane(self, alpha: float) -> Type1Set:
         """Return the set itself: its secondary grades are all 1."""
+        share("alpha", alpha)
         return self
 
     @property
@@ -247,9 +248,13 @@ class Type1Set(ShownSet, ABC):
     def moments(self, origin: float, power: int = 1) -> Moments:
         """Return area and first moment about ``origin``.
 
-        Those of the membership, whole and up to any point.
+        Those of the membership, whole and up to any point. The power is 0 if it is the area only
+        that is asked for, which may be finite where the moment is not.
         """
-        return Moments(self._grades, self._quadrature_points(power), origin)
+        about = real("origin", origin)
+        if whole_number("power", power, 0) > 1:
+            raise InvalidValue("power", power, "0 or 1")
+        return Moments(self._grades, self._quadrature_points(power), about)
 
     def centroid(self) -> float:
         r"""Return the centroid on the continuous domain, by quadrature (eq. 1.68).

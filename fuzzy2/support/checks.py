@@ -5,15 +5,23 @@ A real number in its range, or an error that says which.
 
 from __future__ import annotations
 
+import decimal
 import itertools
 import math
+import numbers
+import os
+from collections.abc import Collection, Iterable
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fuzzy2.errors import InvalidValue
+from fuzzy2.errors import InvalidValue, UnknownName
 
 Array = NDArray[np.float64]
+
+MOST = 1_000_000
+"""More terms, points or rules than this are a slip of the pen, and would not fit into memory."""
 
 
 def real(name: str, value: object, requirement: str = "a finite number") -> float:
@@ -32,7 +40,10 @@ def maybe_infinite(name: str, value: object, requirement: str = "a number") -> f
 
     Raise :class:`InvalidValue` if it is not a real number.
     """
-    if isinstance(value, str | bytes | bool | np.bool_):
+    # NumPy makes numbers of complex ones and of dates.
+    if isinstance(value, str | bytes | bool | np.ma.MaskedArray | complex) or (
+        isinstance(value, np.generic | np.ndarray) and value.dtype.kind not in "fiu"
+    ):
         raise InvalidValue(name, value, requirement)
     try:
         number = float(value)  # type: ignore[arg-type] # whatever has no float is refused below
@@ -62,31 +73,115 @@ def grade(name: str, value: object) -> float:
     return number
 
 
+def share(name: str, value: object, requirement: str = "in [0, 1]") -> float:
+    """Return ``value`` as a float; raise :class:`InvalidValue` if it is not in [0, 1]."""
+    number = real(name, value, requirement)
+    if not 0.0 <= number <= 1.0:
+        raise InvalidValue(name, value, requirement)
+    return number
+
+
+def true_or_false(name: str, value: object) -> bool:
+    """Return ``value`` as a bool; raise :class:`InvalidValue` if it is none."""
+    of_kind(name, value, (bool, np.bool_), "True or False")
+    return bool(value)
+
+
 def ascending(name: str, values: tuple[float, ...]) -> None:
     """Raise :class:`InvalidValue` if a value is smaller than the one before it."""
     if any(after < before for before, after in itertools.pairwise(values)):
         raise InvalidValue(name, values, "in ascending order")
 
 
-def reals(name: str, values: ArrayLike) -> Array:
+def reals(name: str, values: ArrayLike, requirement: str = "real numbers") -> Array:
     """Return ``values`` as an array of floats, which may be NaN.
 
     Raise :class:`InvalidValue` if they are not real numbers, or some of them are masked: what is
     under a mask is not meant to be computed with.
     """
     if isinstance(values, np.ma.MaskedArray):
-        raise InvalidValue(name, values, "real numbers without a mask, such as values.filled(0.0)")
+        raise InvalidValue(
+            name, values, f"{requirement} without a mask, such as values.filled(0.0)"
+        )
     try:
         array = np.asarray(values)
-        # Of objects text would be read, which as an array of text is refused.
+        # Of objects text would be read as numbers, dates as days, and None as NaN.
         if array.dtype.kind in "fiub" or (
             array.dtype.kind == "O"
-            and not any(isinstance(value, str | bytes) for value in array.flat)
+            and all(isinstance(value, numbers.Real | decimal.Decimal) for value in array.flat)
         ):
-            return np.asarray(array, dtype=np.float64)
+            # In one order, so that neither sums nor what numba compiles hang on it; and of what is
+            # read-only numba would compile every kernel anew.
+            floats = np.asarray(array, dtype=np.float64, order="C")
+            return floats if floats.flags.writeable else floats.copy()
     except (TypeError, ValueError, OverflowError) as error:
-        raise InvalidValue(name, values, "real numbers") from error
-    raise InvalidValue(name, values, "real numbers")
+        raise InvalidValue(name, values, requirement) from error
+    raise InvalidValue(name, values, requirement)
+
+
+def whole_number(name: str, value: object, least: int, most: int = MOST) -> int:
+    """Return a whole number from the least to the greatest one; refuse anything else."""
+    if (
+        isinstance(value, bool | np.bool_)
+        or not isinstance(value, int | np.integer)
+        or not least <= value <= most
+    ):
+        at_most = f" and at most {most:,}" if isinstance(value, int) and value > most else ""
+        raise InvalidValue(name, value, f"a whole number of at least {least}{at_most}")
+    return int(value)
+
+
+def known_name(what: str, name: object, known: Collection[str]) -> str:
+    """Return a name that is among the known ones; raise :class:`UnknownName` if it is not."""
+    if not isinstance(name, str) or name not in known:
+        raise UnknownName(what, name, tuple(known))
+    return name
+
+
+def named_path(path: object) -> str | os.PathLike[str]:
+    """Return the path of a file; raise :class:`InvalidValue` if it is none."""
+    if isinstance(path, str | os.PathLike) and str(path):
+        return path
+    raise InvalidValue("path", path, "the path of a file")
+
+
+def listed(name: str, values: Iterable[Any], requirement: str) -> tuple[Any, ...]:
+    """Return what a list holds; raise :class:`InvalidValue` if it is none, such as a text."""
+    if not isinstance(values, str | bytes | np.ma.MaskedArray):
+        try:
+            return tuple(values)
+        except TypeError:
+            pass
+    raise InvalidValue(name, values, requirement)
+
+
+def function(name: str, value: object) -> None:
+    """Raise :class:`InvalidValue` if something cannot be called."""
+    if not callable(value):
+        raise InvalidValue(name, value, "a function")
+
+
+def of_kind(name: str, value: Any, kinds: type | tuple[type, ...], requirement: str) -> None:
+    """Raise :class:`InvalidValue` if something is not of the kinds that are asked for."""
+    if not isinstance(value, kinds):
+        raise InvalidValue(name, value, requirement)
+
+
+def generator(name: str, value: object) -> np.random.Generator:
+    """Return a source of random numbers; raise :class:`InvalidValue` if it is none."""
+    requirement = "a numpy.random.Generator, such as numpy.random.default_rng(0)"
+    if not isinstance(value, np.random.Generator):
+        raise InvalidValue(name, value, requirement)
+    return value
+
+
+def broadcast(names: str, *arrays: Array) -> tuple[Array, ...]:
+    """Return arrays of one shape; raise :class:`InvalidValue` if theirs do not go together."""
+    try:
+        return tuple(np.broadcast_arrays(*arrays))
+    except ValueError as error:
+        shapes = tuple(array.shape for array in arrays)
+        raise InvalidValue(names, shapes, "arrays whose shapes go together") from error
 
 
 def binary_exponent(values: Array) -> int:

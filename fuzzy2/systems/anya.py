@@ -15,11 +15,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, NotApplicable, ReadOnly
-from fuzzy2.support.checks import Array, reals
+from fuzzy2.support.checks import Array, reals, whole_number
+from fuzzy2.support.checks import listed as checked_list
 from fuzzy2.support.markup import Markup, joined
 from fuzzy2.support.pieces import pieces
 from fuzzy2.support.shown import Shown
 from fuzzy2.systems.antecedents import Is
+from fuzzy2.systems.construction import checked_names
 from fuzzy2.systems.explainable import Explainable
 from fuzzy2.systems.explanation import Explanation
 from fuzzy2.systems.gradients import analytic_gradient, central_differences
@@ -92,14 +94,20 @@ class AnYaSystem(Shown):
         consequents: FuzzySystem,
         input_names: Sequence[str] | None = None,
     ) -> None:
-        self.clouds = tuple(np.array(reals("clouds", cloud)) for cloud in clouds)
+        self.clouds = tuple(
+            np.array(reals("clouds", cloud))
+            for cloud in checked_list("clouds", clouds, "a list of the data of each input")
+        )
         for cloud in self.clouds:
             if cloud.ndim != 1 or not cloud.size or not np.isfinite(cloud).all():
                 raise InvalidValue("clouds", cloud, "finite numbers, at least one in each cloud")
             cloud.flags.writeable = False
-        self.asked = tuple(int(one) for one in asked)
-        if not all(0 <= one < len(self.clouds) for one in self.asked):
-            raise InvalidValue("asked", asked, f"numbers of the {len(self.clouds)} clouds")
+        numbers = f"numbers of the {len(self.clouds)} clouds"
+        self.asked = tuple(
+            whole_number("asked", one, 0) for one in checked_list("asked", asked, numbers)
+        )
+        if not all(one < len(self.clouds) for one in self.asked):
+            raise InvalidValue("asked", asked, numbers)
         if not isinstance(consequents, FuzzySystem) or len(consequents.inputs) != len(self.asked):
             raise InvalidValue(
                 "consequents", consequents, f"a system of {len(self.asked)} inputs, the firings"
@@ -110,11 +118,7 @@ class AnYaSystem(Shown):
         self._starts = np.cumsum([0, *sizes])
         self._cloud_of = np.array(self.asked, dtype=np.int64)
         self._named = input_names is not None
-        self.input_names = tuple(input_names or (f"x{i + 1}" for i in range(len(self.clouds))))
-        if len(set(self.input_names)) != len(self.clouds):
-            raise InvalidValue(
-                "input_names", input_names, f"{len(self.clouds)} names, each of another input"
-            )
+        self.input_names = checked_names("input_names", input_names, len(self.clouds), "x")
 
     def __setattr__(self, name: str, value: Any) -> None:
         if name in self.__dict__:

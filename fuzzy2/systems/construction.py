@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.operations.set_operations import complement
-from fuzzy2.support.checks import Array, real, reals
+from fuzzy2.support.checks import Array, listed, real, reals
 from fuzzy2.systems.antecedents import check_numbers, rows_of
 from fuzzy2.systems.consequents import (
     Formulas,
@@ -117,11 +117,11 @@ def checked_names(what: str, given: Sequence[str] | None, count: int, stem: str)
     """Return a name for each thing, all different; a stem and a number where none are given."""
     if given is None:
         return tuple(f"{stem}{i + 1}" for i in range(count))
-    names = tuple(given)
+    names = listed(what, given, f"{count} different names")
     if (
         len(names) != count
-        or len(set(names)) != count
         or not all(isinstance(name, str) and name for name in names)
+        or len(set(names)) != count
     ):
         raise InvalidValue(what, names, f"{count} different names")
     return names
@@ -133,13 +133,15 @@ def names_of_consequents(
     """Return a name for each rule and output, or None where none are given."""
     if given is None:
         return None
-    names = tuple(tuple(row) for row in given)
+    requirement = f"a list of {outputs} names for each of the {count} rules"
+    names = tuple(
+        listed("consequent_names", row, requirement)
+        for row in listed("consequent_names", given, requirement)
+    )
     if len(names) != count or not all(
         len(row) == outputs and all(isinstance(name, str) for name in row) for row in names
     ):
-        raise InvalidValue(
-            "consequent_names", given, f"a list of {outputs} names for each of the {count} rules"
-        )
+        raise InvalidValue("consequent_names", given, requirement)
     return names
 
 
@@ -157,6 +159,27 @@ def checked_ranges(
     ):
         raise InvalidValue(what, given, f"{count} pairs of finite numbers in ascending order")
     return tuple((float(low), float(high)) for low, high in ends)
+
+
+def checked_output_terms(
+    given: Sequence[Mapping[str, Any]] | None, outputs: int
+) -> tuple[dict[str, Any], ...] | None:
+    """Return all terms of each output by name, or None where none are given."""
+    if given is None:
+        return None
+    requirement = f"a mapping for each of the {outputs} outputs"
+    terms = listed("output_terms", given, requirement)
+    if len(terms) != outputs or not all(isinstance(one, Mapping) for one in terms):
+        raise InvalidValue("output_terms", given, requirement)
+    return tuple(dict(one) for one in terms)
+
+
+def listed_terms(inputs: Sequence[Sequence[Any]]) -> tuple[tuple[Any, ...], ...]:
+    """Return the terms of every input."""
+    requirement = "a list of sets for each input"
+    return tuple(
+        listed("inputs", terms, requirement) for terms in listed("inputs", inputs, requirement)
+    )
 
 
 def check_inputs(
@@ -187,11 +210,14 @@ def checked_fuzzifiers(
     """Return a fuzzifier for each input, or None if all are singleton."""
     if given is None:
         return None
-    each = (given,) * count if isinstance(given, Fuzzifier) else tuple(given)
+    requirement = f"a fuzzifier, or one for each of the {count} inputs"
+    each = (
+        (given,) * count
+        if isinstance(given, Fuzzifier)
+        else listed("fuzzifier", given, requirement)
+    )
     if len(each) != count or not all(isinstance(one, Fuzzifier) for one in each):
-        raise InvalidValue(
-            "fuzzifier", given, f"a fuzzifier, or one for each of the {count} inputs"
-        )
+        raise InvalidValue("fuzzifier", given, requirement)
     for one in each:
         if isinstance(one, NonSingletonFuzzifier) and not isinstance(one.shape, kinds):
             raise InvalidValue("the shape of a fuzzifier", one.shape, kind_names)
@@ -215,18 +241,11 @@ def checked_rules(rules: Any, inputs: Sequence[Sequence[Any]]) -> Any:
         if rows is None:
             return tuple(rules)
         return _read_only(rows)
-    given = np.asarray(rules)
-    if (
-        given.ndim != 2
-        or given.shape[1] != len(inputs)
-        or given.shape[0] == 0
-        or given.dtype.kind not in "iu"
-    ):
-        raise InvalidValue(
-            "rules",
-            given,
-            f"whole numbers of shape (R, {len(inputs)}), a row for each rule",
-        )
+    requirement = f"whole numbers of shape (R, {len(inputs)}), a row for each rule"
+    given = reals("rules", rules, requirement)
+    whole = np.asarray(rules).dtype.kind in "iu"
+    if given.ndim != 2 or given.shape[1] != len(inputs) or given.shape[0] == 0 or not whole:
+        raise InvalidValue("rules", rules, requirement)
     bad = np.argwhere((given < -1) | (given >= np.array(counts)))
     if len(bad):
         row, column = (int(index) for index in bad[0])
@@ -373,6 +392,7 @@ def _checked_silence(silent: ArrayLike | None, shape: tuple[int, ...]) -> NDArra
     """Return where rules are silent, read-only; None if they speak of every output."""
     if silent is None:
         return None
+    reals("silent", silent, f"True or False, of shape {shape}")
     mask = _truths(silent, shape)
     mute = np.flatnonzero(mask.all(axis=1))
     if mute.size:
@@ -396,18 +416,20 @@ def checked_defaults(given: Sequence[float | None] | None, outputs: int) -> Arra
     """Return the default outputs (m,), NaN where there is none; None if there are none at all."""
     if given is None:
         return None
-    values = [float("nan") if value is None else value for value in given]
+    requirement = f"{outputs} finite numbers, or None where there is none"
+    values = [
+        float("nan") if value is None else value
+        for value in listed("default_outputs", given, requirement)
+    ]
     defaults = reals("default_outputs", values)
     if defaults.shape != (outputs,) or np.isinf(defaults).any():
-        raise InvalidValue(
-            "default_outputs", given, f"{outputs} finite numbers, or None where there is none"
-        )
+        raise InvalidValue("default_outputs", given, requirement)
     return None if np.isnan(defaults).all() else _read_only(defaults)
 
 
 def checked_shares(given: Sequence[float]) -> tuple[float, float]:
     """Return the weights of the lower and of the upper average."""
-    shares = tuple(real("shares", value) for value in given)
+    shares = tuple(real("shares", value) for value in listed("shares", given, "two numbers"))
     if len(shares) != 2:
         raise InvalidValue("shares", given, "two numbers")
     return shares[0], shares[1]
@@ -417,11 +439,10 @@ def checked_terms(
     given: Sequence[Sequence[str]] | None, inputs: Sequence[Sequence[Any]]
 ) -> tuple[tuple[str, ...], ...]:
     """Return the names of the terms of each input."""
-    names: list[Sequence[str] | None] = [None] * len(inputs) if given is None else list(given)
+    requirement = f"a list of names for each of the {len(inputs)} inputs"
+    names = (None,) * len(inputs) if given is None else listed("term_names", given, requirement)
     if len(names) != len(inputs):
-        raise InvalidValue(
-            "term_names", given, f"a list of names for each of the {len(inputs)} inputs"
-        )
+        raise InvalidValue("term_names", given, requirement)
     return tuple(
         checked_names("term_names", own, len(terms), "term")
         for own, terms in zip(names, inputs, strict=True)

@@ -38,7 +38,7 @@ from fuzzy2.sets.shapes import Gaussian
 from fuzzy2.sets.sigmoids import Sigmoid
 from fuzzy2.sets.type1 import Singleton, Type1Set
 from fuzzy2.sets.uncertain_mean import FarthestMeanGaussian, NearestMeanGaussian
-from fuzzy2.support.checks import Array, reals
+from fuzzy2.support.checks import Array, of_kind, reals
 
 AnySet: TypeAlias = Type1Set | IntervalType2Set | GeneralType2Set
 TNormLike: TypeAlias = str | TNorm | BinaryFunction
@@ -128,6 +128,7 @@ class SingletonFuzzifier(Fuzzifier):
         """Return the memberships of the inputs in the term; see :meth:`Fuzzifier.firing`."""
         # it makes no difference here, but a misspelled name should not wait for another fuzzifier
         norm_of(t_norm)
+        check_set("term", term)
         points = _measured(x)
         return np.stack([term.lower(points), term.upper(points)], axis=-1)
 
@@ -168,16 +169,14 @@ class NonSingletonFuzzifier(Fuzzifier):
     shape: AnySet
 
     def __post_init__(self) -> None:
-        if not isinstance(self.shape, Type1Set | IntervalType2Set | GeneralType2Set):
-            raise InvalidValue(
-                "shape", self.shape, "a type-1, interval type-2 or general type-2 set"
-            )
+        check_set("shape", self.shape)
 
     def firing(self, term: AnySet, x: ArrayLike, t_norm: TNormLike = "product") -> Array:
         """Return the firing intervals of the term by the fuzzy inputs.
 
         See :meth:`Fuzzifier.firing` and :func:`sup_star`.
         """
+        check_set("term", term)
         points, norm = _measured(x), norm_of(t_norm)
         lower = sup_star(self.shape.lower, term.lower, points, norm)
         if isinstance(self.shape, Type1Set) and isinstance(term, Type1Set):
@@ -281,6 +280,12 @@ def sup_star(
         else:
             grades = _searched(shape, term, shifts, norm)
     return np.where(missing, np.nan, grades)[()]
+
+
+def check_set(name: str, value: object) -> None:
+    """Raise :class:`InvalidValue` if something is no fuzzy set."""
+    kinds = (Type1Set, IntervalType2Set, GeneralType2Set)
+    of_kind(name, value, kinds, "a type-1, interval type-2 or general type-2 set")
 
 
 def _measured(x: ArrayLike) -> Array:

@@ -9,14 +9,14 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fuzzy2.errors import ApproximationWarning, InvalidValue, NotApplicable, UnknownName
+from fuzzy2.errors import ApproximationWarning, NotApplicable
 from fuzzy2.numbers.affine import GaussianNumber
 from fuzzy2.operations.t_norms import BinaryFunction, TNorm
 from fuzzy2.reduction.approximate import VALIDITY_LIMIT, approximate_generalized_centroid
 from fuzzy2.sets.general_type2 import GeneralType2Set
 from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.type1 import Type1Set
-from fuzzy2.support.checks import Array
+from fuzzy2.support.checks import Array, known_name, whole_number
 from fuzzy2.support.pieces import pieces
 from fuzzy2.systems.consequents import FunctionsOfInputs
 from fuzzy2.systems.fuzzifiers import NonSingletonFuzzifier
@@ -75,12 +75,9 @@ class GeneralType2System(FuzzySystem):
         grade_t_norm: str = "min",
         **options: Any,
     ) -> None:
-        if reduction not in ("alpha_planes", "gaussian"):
-            raise UnknownName("reduction", reduction, ("alpha_planes", "gaussian"))
-        if levels < 1 or levels != int(levels):
-            raise InvalidValue("levels", levels, "a whole number of at least 1")
-        if grade_t_norm not in ("min", "product"):
-            raise UnknownName("t-norm of secondary grades", grade_t_norm, ("min", "product"))
+        known_name("reduction", reduction, ("alpha_planes", "gaussian"))
+        levels = whole_number("levels", levels, 1)
+        known_name("t-norm of secondary grades", grade_t_norm, ("min", "product"))
         self.reduction, self.levels, self.grade_t_norm = reduction, int(levels), grade_t_norm
         self.alphas = np.arange(1, self.levels + 1) / self.levels
         # Half-widths of the α-planes of a Gaussian, in standard deviations.

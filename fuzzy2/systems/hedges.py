@@ -24,7 +24,7 @@ import numpy as np
 
 from fuzzy2.errors import InvalidValue
 from fuzzy2.sets.type1 import set_fields
-from fuzzy2.support.checks import Array, positive
+from fuzzy2.support.checks import Array, of_kind, positive
 
 _TRIAL_GRADES = np.linspace(0.0, 1.0, 129)
 
@@ -156,6 +156,8 @@ def known_hedges(
         If a value is neither a hedge nor a function, or a name is a keyword.
     """
     known = dict(HEDGES)
+    if given is not None:
+        of_kind("hedges", given, Mapping, "a mapping from words to hedges")
     for name, hedge in (given or {}).items():
         word = " ".join(str(name).split()).lower()
         if word in ("", "not", ANY, "is", "if", "then", "and", "or", "else", "with"):

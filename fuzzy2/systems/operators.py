@@ -32,7 +32,6 @@ MATLAB's sense; and ``"weighted_average"`` for ``"center_of_sets"``.
 from __future__ import annotations
 
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
@@ -112,20 +111,7 @@ def type_reduction(name: str) -> str:
     UnknownName
         If there is none.
     """
-    known = ALIASES.get(name, name)
+    known = ALIASES.get(name, name) if isinstance(name, str) else None
     if known not in TYPE_REDUCTIONS:
         raise UnknownName("type reduction", name, TYPE_REDUCTIONS)
     return known
-
-
-def choice(what: str, name: Any, known: tuple[str, ...]) -> str:
-    """Return a name that is among the known ones.
-
-    Raises
-    ------
-    UnknownName
-        If it is not.
-    """
-    if name not in known:
-        raise UnknownName(what, name, known)
-    return str(name)

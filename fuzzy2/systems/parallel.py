@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, ReadOnly
-from fuzzy2.support.checks import Array
+from fuzzy2.support.checks import Array, listed
 from fuzzy2.systems.named_inputs import like_inputs
 from fuzzy2.systems.system import FuzzySystem
 
@@ -33,7 +33,7 @@ class ParallelSystem:
     """
 
     def __init__(self, systems: Sequence[FuzzySystem]) -> None:
-        self.systems = tuple(systems)
+        self.systems = listed("systems", systems, "at least one system")
         if not self.systems or not all(isinstance(one, FuzzySystem) for one in self.systems):
             raise InvalidValue("systems", systems, "at least one system")
         self.input_names = self.systems[0].input_names

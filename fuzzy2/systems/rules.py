@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzy2.errors import InvalidRule, InvalidValue
+from fuzzy2.support.checks import listed, of_kind, reals, share
 from fuzzy2.systems.antecedents import (
     And,
     Antecedent,
@@ -103,10 +104,9 @@ class Rule:
         otherwise: Mapping[str, str | Negated] | Iterable[tuple[str, str | Negated]] = (),
     ) -> None:
         object.__setattr__(self, "antecedents", _simplest(antecedents))
-        object.__setattr__(self, "weight", float(weight))
+        object.__setattr__(self, "weight", share("weight", weight))
         for side, clauses in (("consequents", consequents), ("otherwise", otherwise)):
-            pairs = clauses.items() if isinstance(clauses, Mapping) else clauses
-            object.__setattr__(self, side, tuple((variable, term) for variable, term in pairs))
+            object.__setattr__(self, side, _pairs(side, clauses))
         problem = _problem_of(self)
         if problem:
             raise InvalidRule(1, str(self), problem)
@@ -210,13 +210,14 @@ def read_rule_base(
     InvalidValue
         If a variable is both an input and an output, or there is no rule.
     """
-    known_inputs, known_outputs = (
-        {name: list(terms) for name, terms in side.items()} for side in (inputs, outputs)
-    )
+    known_inputs, known_outputs = _words("inputs", inputs), _words("outputs", outputs)
     shared = sorted(known_inputs.keys() & known_outputs.keys())
     if shared:
         raise InvalidValue("outputs", shared, "variables that are not inputs")
-    lines = rules.splitlines() if isinstance(rules, str) else list(rules)
+    requirement = "text with a rule a line, or a list of rules"
+    lines = rules.splitlines() if isinstance(rules, str) else listed("rules", rules, requirement)
+    for line in lines:
+        of_kind("rules", line, (Rule, str), requirement)
     stated = [
         line
         for line in lines
@@ -312,11 +313,8 @@ def make_rules(
         If a rule uses no input, or says nothing.
     """
     sides = [
-        _named(name, numbers, {variable: list(terms) for variable, terms in side.items()}, smallest)
-        for name, numbers, side, smallest in (
-            ("antecedents", antecedents, inputs, -1),
-            ("consequents", consequents, outputs, -1),
-        )
+        _named("antecedents", antecedents, _words("inputs", inputs), -1),
+        _named("consequents", consequents, _words("outputs", outputs), -1),
     ]
     if len(sides[0]) != len(sides[1]):
         raise InvalidValue(
@@ -360,6 +358,13 @@ def unknown_name(kind: str, name: str, known: Iterable[str]) -> str:
     return f"unknown {kind} {name!r}{f'; did you mean {suggestion!r}?' if suggestion else ''}"
 
 
+def _words(side: str, variables: Vocabulary) -> dict[str, list[str]]:
+    """Return the terms of each variable by name."""
+    requirement = "a mapping from names of variables to their terms"
+    of_kind(side, variables, Mapping, requirement)
+    return {name: list(listed(side, terms, requirement)) for name, terms in variables.items()}
+
+
 def _simplest(asked: Any) -> Clauses | Antecedent:
     """Return pairs where they say it all, else the tree."""
     if isinstance(asked, Is | And | Or | Not | Hedged):
@@ -367,8 +372,20 @@ def _simplest(asked: Any) -> Clauses | Antecedent:
         if clauses is None or any(clause.term is None for clause in clauses):
             return asked
         return tuple((str(clause.variable), str(clause.term)) for clause in clauses)
-    pairs = asked.items() if isinstance(asked, Mapping) else asked
-    return tuple((variable, term) for variable, term in pairs)
+    return _pairs("antecedents", asked)
+
+
+def _pairs(side: str, clauses: Any) -> Clauses:
+    """Return what one side of a rule says as pairs of a variable and its term, both by name."""
+    requirement = "a mapping from variables to terms, or pairs of these"
+    given = clauses.items() if isinstance(clauses, Mapping) else clauses
+    pairs = tuple(listed(side, pair, requirement) for pair in listed(side, given, requirement))
+    if not all(
+        len(pair) == 2 and isinstance(pair[0], str) and isinstance(pair[1], str | Negated)
+        for pair in pairs
+    ):
+        raise InvalidValue(side, clauses, requirement)
+    return pairs
 
 
 def _problem_of(rule: Rule) -> str | None:
@@ -513,9 +530,11 @@ def _unknown(what: str, kinds: str, name: str, known: Iterable[str]) -> str:
 def _named(
     name: str, numbers: ArrayLike, known: dict[str, list[str]], smallest: int
 ) -> list[Clauses]:
+    requirement = f"whole numbers of shape (R, {len(known)})"
+    reals(name, numbers, requirement)
     table = np.asarray(numbers)
     if table.ndim != 2 or table.shape[1] != len(known) or table.dtype.kind not in "iu":
-        raise InvalidValue(name, table, f"whole numbers of shape (R, {len(known)})")
+        raise InvalidValue(name, table, requirement)
     sizes = np.array([len(terms) for terms in known.values()])
     if not ((table >= smallest) & (table < sizes)).all():
         raise InvalidValue(name, table, f"numbers of terms from {smallest}, below {sizes.tolist()}")

@@ -41,7 +41,16 @@ from fuzzy2.operations.t_norms import t_conorm as conorm_named
 from fuzzy2.operations.t_norms import t_norm as norm_named
 from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.type1 import Type1Set
-from fuzzy2.support.checks import Array, binary_exponent, reals
+from fuzzy2.support.checks import (
+    Array,
+    binary_exponent,
+    generator,
+    known_name,
+    of_kind,
+    real,
+    reals,
+    whole_number,
+)
 from fuzzy2.support.markup import Markup
 from fuzzy2.support.pieces import pieces
 from fuzzy2.support.shown import Shown
@@ -53,11 +62,13 @@ from fuzzy2.systems.construction import (
     checked_defaults,
     checked_fuzzifiers,
     checked_names,
+    checked_output_terms,
     checked_ranges,
     checked_rules,
     checked_shares,
     checked_terms,
     checked_weights,
+    listed_terms,
     names_of_consequents,
     read_rules,
 )
@@ -75,7 +86,6 @@ from fuzzy2.systems.operators import (
     METHODS,
     POINTS,
     aggregation,
-    choice,
 )
 from fuzzy2.systems.operators import (
     type_reduction as reduction_named,
@@ -202,6 +212,8 @@ class FuzzySystem(Shown):
     ) -> None:
         self.hedges = known_hedges(hedges)
         if isinstance(inputs, Mapping):
+            for terms in inputs.values():
+                of_kind("inputs", terms, Mapping, "a mapping from names to sets for each input")
             input_names, term_names = list(inputs), [list(terms) for terms in inputs.values()]
             inputs = [list(terms.values()) for terms in inputs.values()]
         if isinstance(consequents, Mapping):
@@ -213,7 +225,7 @@ class FuzzySystem(Shown):
                 weights = said.weights
             if said.of_sets and type_reduction is None:
                 warnings.warn(DefaultReductionWarning(), stacklevel=2)
-        self.inputs: tuple[tuple[Any, ...], ...] = tuple(tuple(terms) for terms in inputs)
+        self.inputs: tuple[tuple[Any, ...], ...] = listed_terms(inputs)
         self.input_ranges = checked_ranges("input_ranges", input_ranges, len(self.inputs))
         check_inputs(self.inputs, self._kinds, self._kind_names, self.input_ranges is not None)
         self.rules = checked_rules(rules, self.inputs)
@@ -221,16 +233,16 @@ class FuzzySystem(Shown):
         self.t_norm, self.t_conorm = norm_named(t_norm), aggregation(t_conorm)
         self.disjunction = conorm_named(disjunction)
         self.implication = self.t_norm if implication is None else norm_named(implication)
-        self.type_reduction = reduction_named(type_reduction or "center_of_sets")
-        self.method = choice("type-reduction method", method, METHODS)
-        self.integration = choice("integration", integration, INTEGRATIONS)
+        self.type_reduction = reduction_named(
+            "center_of_sets" if type_reduction is None else type_reduction
+        )
+        self.method = known_name("type-reduction method", method, METHODS)
+        self.integration = known_name("integration", integration, INTEGRATIONS)
         self.shares, self.fuzzifier = checked_shares(shares), fuzzifier
         self.fuzzifiers = checked_fuzzifiers(
             fuzzifier, len(self.inputs), self._kinds, self._kind_names
         )
-        if resolution < 2 or resolution != int(resolution):
-            raise InvalidValue("resolution", resolution, "a whole number of at least 2")
-        self.resolution = int(resolution)
+        self.resolution = whole_number("resolution", resolution, 2)
         checked = checked_consequents(
             consequents,
             silent,
@@ -252,13 +264,7 @@ class FuzzySystem(Shown):
         self.term_names = checked_terms(term_names, self.inputs)
         self.consequent_names = names_of_consequents(consequent_names, count, self.n_outputs)
         self.output_ranges = checked_ranges("output_ranges", output_ranges, self.n_outputs)
-        self.output_terms = (
-            None if output_terms is None else tuple(dict(terms) for terms in output_terms)
-        )
-        if self.output_terms is not None and len(self.output_terms) != self.n_outputs:
-            raise InvalidValue(
-                "output_terms", output_terms, f"a mapping for each of the {self.n_outputs} outputs"
-            )
+        self.output_terms = checked_output_terms(output_terms, self.n_outputs)
         self._table = self._compiled_table()
         self._fast = self._table is not None and self._is_compiled
         self._outputs = self._prepared_outputs()
@@ -895,12 +901,7 @@ class FuzzySystem(Shown):
         InvalidValue
             If ``points`` is no whole number of at least 2.
         """
-        if isinstance(points, bool) or not isinstance(points, int | np.integer) or points < 2:
-            raise InvalidValue(
-                "points",
-                points,
-                "a whole number of at least 2, the grid points per input; ranges go into domain",
-            )
+        points, least = whole_number("points", points, 2), real("threshold", threshold)
         ranges = self.domain() if domain is None else reals("domain", domain)
         if (
             ranges.shape != (len(self.inputs), 2)
@@ -910,7 +911,7 @@ class FuzzySystem(Shown):
             raise InvalidValue("domain", ranges, f"finite ranges of shape ({len(self.inputs)}, 2)")
         trees = self.rules if isinstance(self.rules, tuple) else trees_of(self.rules)
         return found_in(
-            lambda grid: self.coverage(grid) > threshold,
+            lambda grid: self.coverage(grid) > least,
             ranges,
             points,
             trees,
@@ -976,7 +977,10 @@ class FuzzySystem(Shown):
             else self.consequent_intervals
         )
         yield from embedded_averages(
-            strengths, intervals, count, np.random.default_rng(0) if rng is None else rng
+            strengths,
+            intervals,
+            whole_number("count", count, 0),
+            np.random.default_rng(0) if rng is None else generator("rng", rng),
         )
 
 

@@ -23,7 +23,15 @@ from psp3.benchmark.stamp import stamp
 from psp3.benchmark.tasks import ROBOTS
 from psp3.benchmark.trial import Outcome, Trial, execute, own_trial
 from psp3.benchmark.workers import done_by, processes
-from psp3.checks import checked_count
+from psp3.checks import (
+    checked_count,
+    checked_names,
+    checked_number,
+    checked_path,
+    checked_positive,
+    known_name,
+    listed,
+)
 from psp3.errors import (
     InvalidValue,
     SchedulerUnavailable,
@@ -87,35 +95,37 @@ class Benchmark:
         duration: float = 5.0,
         period: float = 0.004,
     ) -> None:
-        self.directory = Path(directory)
+        self.directory = checked_path("directory", directory)
         self.entries: dict[str, Entry] = {}
-        for source in (REFERENCE, *entries):
+        for source in (REFERENCE, *listed("entries", entries, "a list of names or entries")):
             for one in BASELINES if source == ALL else (source,):
                 self._enter(one)
         if any(self.entries.get(name) is BASELINES[name] for name in NEED_SCIKIT_LEARN):
             need_scikit_learn()
-        self.robots, self.readings = tuple(dict.fromkeys(robots)), tuple(dict.fromkeys(readings))
-        self.levels = tuple(dict.fromkeys(map(float, levels)))
+        self.robots = tuple(dict.fromkeys(checked_names("robots", robots)))
+        self.readings = tuple(dict.fromkeys(checked_names("readings", readings)))
+        wanted = "a list of finite ratios [dB]; runs without noise are always done, too"
+        ratios = [checked_number("levels", one, wanted) for one in listed("levels", levels, wanted)]
+        for ratio in ratios:
+            if math.isinf(ratio):
+                raise InvalidValue("levels", ratio, wanted)
+        self.levels = tuple(dict.fromkeys(ratios))
         self.seeds = checked_count("seeds", seeds)
-        self.duration, self.period = duration, period
+        self.duration = checked_positive("duration", duration)
+        self.period = checked_positive("period", period)
         if not self.robots:
             raise InvalidValue("robots", robots, f"at least one of {', '.join(ROBOTS)}")
         for reading in self.readings:
-            if reading not in READINGS:
-                raise UnknownName("reading of noise", reading, tuple(READINGS))
-        for level in self.levels:
-            if not math.isfinite(level):
-                wanted = "finite ratios [dB]; runs without noise are always done, too"
-                raise InvalidValue("levels", level, wanted)
+            known_name("reading of noise", reading, READINGS)
         for trial in self.trials(seeds=1):
             trial.check()
 
     def _enter(self, source: str | Entry) -> None:
         if isinstance(source, Entry):
             entry = source
-        elif source in BASELINES:
+        elif isinstance(source, str) and source in BASELINES:
             entry = BASELINES[source]
-        elif source.endswith(".py"):
+        elif isinstance(source, str) and source.endswith(".py"):
             entry = load_entry(source)
         else:
             known = (ALL, *BASELINES, "or a file that ends in .py")

@@ -30,6 +30,7 @@ import numpy as np
 from psp3.benchmark.learned import LearnedComputedTorque
 from psp3.benchmark.readings import Lesson
 from psp3.benchmark.tasks import Task
+from psp3.checks import checked_path
 from psp3.control.controller import Controller
 from psp3.errors import InvalidEntry
 
@@ -107,7 +108,7 @@ def load_entry(path: str | Path) -> Entry:
         If the file cannot be read or run, has no class that can be an entry or several, or its
         constructor asks for what there is not.
     """
-    path = Path(path)
+    path = checked_path("path", path)
     try:
         source = path.read_bytes()
     except OSError as error:

@@ -15,6 +15,7 @@ from psp3.benchmark.entries import SAMPLES as SAMPLES_ONLY
 from psp3.benchmark.pictures import as_svg, condition, figure_of_cells, figure_of_times
 from psp3.benchmark.readings import NONE, READINGS
 from psp3.benchmark.tasks import PATHS, ROBOTS, SAMPLES
+from psp3.checks import checked_kind, checked_path
 from psp3.plots.page import contents, drawing, listed, note_below, page, table
 from psp3.study.statistics import Estimate
 
@@ -40,9 +41,11 @@ SHORT_COLUMNS = ("place", "entry", "knows", "mm", "times best", "lost", "µs", "
 
 def write_numbers(board: Board, path: str | Path) -> Path:
     """Write the board as JSON and return the path; see :meth:`Board.as_numbers`."""
+    checked_kind("board", board, Board, "a board, as Benchmark(...).board() returns it")
+    target = checked_path("path", path)
     text = json.dumps(board.as_numbers(), allow_nan=False, ensure_ascii=False, indent=1)
-    write_text(text + "\n", path)
-    return Path(path)
+    write_text(text + "\n", target)
+    return target
 
 
 def write_page(board: Board, path: str | Path) -> Path:
@@ -50,6 +53,8 @@ def write_page(board: Board, path: str | Path) -> Path:
 
     Every name and message is escaped: entries are files of others.
     """
+    checked_kind("board", board, Board, "a board, as Benchmark(...).board() returns it")
+    target = checked_path("path", path)
     tables = [table("board", "The board", COLUMNS, board_rows(board), board_note(board))]
     if board.ranked:
         with style("light"):
@@ -94,8 +99,8 @@ def write_page(board: Board, path: str | Path) -> Path:
         "benchmark.json."
     )
     answer = listed(summary(board), class_="answer")
-    write_text(page(TITLE, answer, contents(links), *tables, note_below(made)), path)
-    return Path(path)
+    write_text(page(TITLE, answer, contents(links), *tables, note_below(made)), target)
+    return target
 
 
 def summary(board: Board) -> list[str]:

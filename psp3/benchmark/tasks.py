@@ -19,8 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.distance import pdist
 
-from psp3.checks import Array
-from psp3.errors import UnknownName
+from psp3.checks import Array, known_name
 from psp3.fuzzy_control.records import Record, record
 from psp3.loading import load
 from psp3.published import DURATION, TABLE_6_1
@@ -137,8 +136,7 @@ def task(name: str) -> Task:
     UnknownName
         If the benchmark has no such robot.
     """
-    if name not in _KINDS:
-        raise UnknownName("robot of the benchmark", name, ROBOTS)
+    known_name("robot of the benchmark", name, ROBOTS)
     kind, robot = _KINDS[name], load(name)
     paths = kind.paths(robot)
     kp, kv = kind.gains

@@ -14,9 +14,9 @@ from fuzzy2.support.one_thread import one_thread
 from psp3.benchmark.entries import Course, Entry, said
 from psp3.benchmark.readings import NONE, READINGS, lesson, measured_noise
 from psp3.benchmark.tasks import PATHS, ROBOTS, SAMPLES, Task, task
-from psp3.checks import Array, checked_count, checked_positive
+from psp3.checks import Array, checked_count, checked_positive, known_name
 from psp3.control.controller import Controller
-from psp3.errors import InvalidTorque, InvalidValue, SimulationDiverged, UnknownName
+from psp3.errors import InvalidTorque, InvalidValue, SimulationDiverged
 from psp3.simulation.metrics import largest_tip_error, rms_error
 from psp3.simulation.result import Result
 from psp3.simulation.tracking import simulate
@@ -71,8 +71,7 @@ class Trial:
             ("robot of the benchmark", self.robot, ROBOTS),
             ("reading of noise", self.reading, (NONE, *READINGS)),
         ):
-            if name not in known:
-                raise UnknownName(what, name, known)
+            known_name(what, name, known)
         checked_count("seed", self.seed, 0)
         for number in ("duration", "period"):
             checked_positive(number, getattr(self, number))

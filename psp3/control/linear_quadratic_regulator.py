@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from psp3.checks import Array, as_floats, checked_positive, one_row
+from psp3.checks import Array, as_floats, checked_function, checked_positive, checked_robot, one_row
 from psp3.control import kernels, linear_quadratic_kernels
 from psp3.control.controller import SaysNothing, Widths, widths_of
 from psp3.dynamics.dynamics_model import ForcesOfMotions
@@ -240,6 +240,7 @@ class LinearQuadraticRegulator(SaysNothing):
         period: float = 0.002,
         positions: ArrayLike | None = None,
     ) -> None:
+        checked_robot(robot)
         if len(robot.reference) != len(robot.coordinates_v):
             raise InvalidValue(
                 "robot",
@@ -323,6 +324,8 @@ class TimeVaryingLinearQuadraticRegulator(SaysNothing):
         period: float = 0.002,
         terminal: ArrayLike | None = None,
     ) -> None:
+        checked_robot(robot)
+        checked_function("trajectory", trajectory)
         if robot.commanded < len(robot.coordinates_v):
             others = robot.coordinates[robot.commanded :]
             raise InvalidValue(

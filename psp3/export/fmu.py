@@ -26,9 +26,15 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.errors import NotExportable
 from fuzzy2.support.text_files import written_whole
-from psp3.checks import checked_positive, checked_steps
+from psp3.checks import (
+    checked_kind,
+    checked_path,
+    checked_positive,
+    checked_steps,
+    known_name,
+)
 from psp3.drives.drive import NO_DRIVE, Drive
-from psp3.errors import InvalidValue, SourceOnlyFMU, UnknownName
+from psp3.errors import InvalidValue, SourceOnlyFMU
 from psp3.export.fmu_controller import controller_model
 from psp3.export.fmu_fmi2 import FMI2
 from psp3.export.fmu_fmi3 import FMI3
@@ -142,9 +148,11 @@ def export_fmu(
     SourceOnlyFMU
         If there is no binary in it.
     """
-    path, period = Path(path), checked_positive("period", period)
+    path, period = checked_path("path", path), checked_positive("period", period)
     if path.suffix.lower() != ".fmu":
         raise InvalidValue("path", str(path), "a name that ends in .fmu")
+    if name is not None:
+        checked_kind("name", name, str, "an identifier of C")
     identifier = _identifier(path.stem) if name is None else name
     if not re.fullmatch(rf"[A-Za-z_]\w{{0,{_LONGEST - 1}}}", identifier, re.ASCII):
         wanted = f"an identifier of C: at most {_LONGEST} letters, digits and underscores"
@@ -169,8 +177,7 @@ def export_fmu(
 
 def _standard(version: str) -> Standard:
     """Return a version of FMI."""
-    if version not in tuple(_STANDARDS):
-        raise UnknownName("version of FMI", version, list(_STANDARDS))
+    known_name("version of FMI", version, _STANDARDS)
     return _STANDARDS[version]
 
 

@@ -35,14 +35,17 @@ from fuzzy2.systems.system import FuzzySystem
 from psp3.checks import (
     Array,
     checked_count,
+    checked_kind,
     checked_not_negative,
     checked_number,
     checked_positive,
+    checked_random,
     finite_rows,
+    known_name,
     one_row,
 )
 from psp3.control.controller import Widths
-from psp3.errors import InvalidArray, InvalidValue, NotTrained, UnknownName, UnusableEstimate
+from psp3.errors import InvalidArray, InvalidValue, NotTrained, UnusableEstimate
 from psp3.fuzzy_control import controller_files, kernels, rule_bases
 from psp3.fuzzy_control.numbers import unpack
 from psp3.fuzzy_control.records import (
@@ -202,8 +205,7 @@ class FuzzyComputedTorque:
             ("way outside of the trained range", outside, OUTSIDE),
             ("order of defuzzification", defuzzify, ORDERS),
         ):
-            if name not in known:
-                raise UnknownName(what, name, known)
+            known_name(what, name, known)
         self.places: tuple[Place, ...] = rule_bases.places_of_bases(
             self.inputs, self.joints, coriolis
         )
@@ -296,9 +298,13 @@ class FuzzyComputedTorque:
         noise: RecordNoise = NOISE_OF_THE_STUDY,
     ) -> Self:
         """Learn from a record; see :meth:`fit`. ``noise`` says what the ratio ``snr_db`` means."""
+        checked_kind(
+            "recorded", recorded, Record, "a record, such as of psp3.fuzzy_control.records.record"
+        )
         if tuple(recorded.input_names) != self.inputs.names:
             wanted = f"one of {self.robot.title}, with the inputs {', '.join(self.inputs.names)}"
             raise InvalidValue("recorded", ", ".join(recorded.input_names), wanted)
+        checked_random(rng)
         if samples is None:
             samples = self.samples
             if samples == MOST_SAMPLES:
@@ -307,10 +313,6 @@ class FuzzyComputedTorque:
         inputs, outputs = recorded.inputs[chosen], recorded.outputs[chosen]
         if math.isfinite(self.snr_db):
             rng = np.random.default_rng() if rng is None else rng
-            if not isinstance(rng, np.random.Generator):
-                raise InvalidValue(
-                    "rng", rng, "a numpy.random.Generator, such as numpy.random.default_rng(0)"
-                )
             inputs, outputs = noise.added(recorded, chosen, self.snr_db, rng)
         systems = rule_bases.learned_systems(
             self._options, self.places, self.inputs.names, inputs, outputs, self.joints

@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from fuzzy2.learning.partition import term_names
 from fuzzy2.plots.sets import figure_of_sets
 from psp3.fuzzy_control.records import differences
-from psp3.plots.panels import Panels, given_panels, muted
+from psp3.plots.panels import Panels, checked_result, given_panels, muted
 from psp3.simulation.result import Result
 
 if TYPE_CHECKING:
@@ -105,6 +105,7 @@ def figure_of_tracking(result: Result, title: str, axes: Sequence[Axes] | None =
     InvalidValue
         If another number of axes is given.
     """
+    checked_result(result)
     panels = draw_tracking(axes, result, title)
     # Along a line or at rest an axis would otherwise be stretched until it shows rounding errors.
     space: Any = panels[6]
@@ -238,4 +239,5 @@ def figure_of_differences(result: Result, title: str, axes: Sequence[Axes] | Non
     InvalidValue
         If another number of axes is given.
     """
+    checked_result(result)
     return draw_differences(axes, result, title)

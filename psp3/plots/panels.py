@@ -9,7 +9,14 @@ from matplotlib.axes import Axes
 from fuzzy2.plots import panels
 from fuzzy2.plots.panels import Panels as Panels
 from fuzzy2.plots.panels import muted as muted
+from psp3.checks import checked_kind
 from psp3.errors import InvalidValue
+from psp3.simulation.result import Result
+
+
+def checked_result(result: object) -> None:
+    """Raise :class:`InvalidValue` if something is no result of a simulation."""
+    checked_kind("result", result, Result, "a result, as psp3.simulate returns it")
 
 
 def given_panels(axes: Sequence[Axes] | None, count: int) -> Panels | None:

@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fuzzy2.plots.names import literal
-from psp3.checks import Array
-from psp3.errors import InvalidValue, UnknownName
+from psp3.checks import Array, checked_kind, known_name
+from psp3.errors import InvalidValue
 from psp3.plots.panels import Panels, given_panels
 from psp3.study.comparison import Comparison, records_in_words
 from psp3.study.run import Run
@@ -51,6 +51,7 @@ def figure_of_sweep(
     InvalidValue
         If another number of axes is given, or there is no series.
     """
+    checked_kind("series", series, Mapping, "a mapping from names to estimates by level")
     if not series:
         raise InvalidValue("series", series, "at least one series")
     (panel,) = given_panels(
@@ -110,8 +111,7 @@ def figure_of_mismatch(
     InvalidValue
         If there are not as many axes as panels.
     """
-    if metric not in LABELS:
-        raise UnknownName("metric", metric, tuple(LABELS))
+    known_name("metric", metric, LABELS)
     kinds = list(dict.fromkeys(case.snr_db for case in found.cases))
     paths = list(dict.fromkeys(case.trajectory for case in found.cases))
     groups = [

@@ -9,7 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from psp3.errors import InvalidValue, UnknownName
+from psp3.checks import checked_kind, known_name
+from psp3.errors import InvalidValue
 from psp3.plots.panels import Panels, given_panels
 from psp3.three_psp.robot import PSP3
 from psp3.three_psp.workspace import WorkspaceMap, fold_tilt
@@ -38,6 +39,7 @@ def figure_of_torques(forces: ScrewForces, axes: Sequence[Axes] | None = None) -
     InvalidValue
         If another number of axes is given.
     """
+    checked_kind("forces", forces, ScrewForces, "forces along a motion, a ScrewForces")
     panels = given_panels(axes, 6) or tuple(
         Figure(figsize=(11.5, 5.8), layout="constrained").subplots(2, 3).flat
     )
@@ -112,8 +114,8 @@ def figure_of_workspace(
     UnknownName
         If ``over`` is something else.
     """
-    if over not in ("tilt", "tip"):
-        raise UnknownName("coordinates of a workspace figure", over, ("tilt", "tip"))
+    checked_kind("poses", poses, WorkspaceMap, "a map of the workspace")
+    known_name("coordinates of a workspace figure", over, ("tilt", "tip"))
     if poses.tilt.ndim != 2 or min(poses.tilt.shape) < 2:
         raise InvalidValue("poses", poses.tilt.shape, "a map of N by K poses, both at least 2")
     panels = given_panels(axes, 6) or tuple(

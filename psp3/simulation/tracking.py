@@ -121,7 +121,7 @@ def simulate(
         ("progress", progress, "__call__"),
     ):
         is_left_out = given is None and name in ("plant", "progress")
-        if not is_left_out and not hasattr(given, question):
+        if not is_left_out and (isinstance(given, type) or not hasattr(given, question)):
             raise InvalidValue(name, given, f"a {name}, with a method {question}")
     duration, period = checked_positive("duration", duration), checked_positive("period", period)
     # The small excess keeps rounding from losing the last of 5200 periods of 2 ms in 10.4 s.

@@ -43,7 +43,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from psp3.checks import Array
+from psp3.checks import Array, checked_path
 from psp3.errors import InvalidStudyFile, PSP3Error, StudyFileNotWritable, StudyInUse, StudyMismatch
 from psp3.study.columns import AT_A_TIME, RunColumns
 from psp3.study.keys import (
@@ -123,7 +123,7 @@ class StudyFile:
     def __init__(self, path: str | Path, shared: Mapping[str, Value] | None = None) -> None:
         # Resolved once: links to one file are one file, and a later change of directory changes
         # nothing.
-        self.path = Path(path).resolve()
+        self.path = checked_path("path", path).resolve()
         self._shared = shared
         if self.path.exists():
             with self._reading() as connection:

@@ -9,7 +9,8 @@ from typing import Any, overload
 
 import numpy as np
 
-from psp3.errors import InvalidValue, UnknownName
+from psp3.checks import known_name
+from psp3.errors import InvalidValue
 from psp3.study.columns import AT_A_TIME, RunColumns
 from psp3.study.run import DEFAULTS, Run, Value, field_types
 
@@ -102,8 +103,7 @@ def grid(**values: Value | Iterable[Value]) -> Grid:
     types = field_types()
     choices: dict[str, list[Value]] = {}
     for name in sorted(values, key=lambda name: name != "seed"):
-        if name not in types:
-            raise UnknownName("field of a run", name, list(types))
+        known_name("field of a run", name, types)
         given = values[name]
         several = (
             list(given) if isinstance(given, Iterable) and not isinstance(given, str) else [given]

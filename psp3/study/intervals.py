@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from psp3.checks import Array
+from psp3.checks import Array, checked_random
 
 CONFIDENCE = 0.95
 """Share of intervals that are to hold the true value."""
@@ -164,6 +164,7 @@ def _student(count: int) -> float:
 
 def _resamples(count: int, rng: np.random.Generator | None) -> Iterator[NDArray[np.int64]]:
     """Yield which of so many values are drawn, (B, count), in batches that fit into memory."""
+    checked_random(rng)
     source = np.random.default_rng(0) if rng is None else rng
     batch = max(1, NUMBERS_AT_A_TIME // count)
     for start in range(0, RESAMPLES, batch):

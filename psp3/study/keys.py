@@ -15,6 +15,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from psp3.checks import checked_kind, listed
 from psp3.errors import InvalidValue
 from psp3.study.columns import Column, RunColumns, blocks_of
 from psp3.study.grids import Grid
@@ -106,6 +107,17 @@ def is_seed(value: object) -> bool:
     return type(value) is int and 0 <= value <= LARGEST_INTEGER
 
 
+def checked_runs(runs: Iterable[Run]) -> Sequence[Run]:
+    """Return runs as a sequence; raise :class:`InvalidValue` if they are none."""
+    requirement = "a list of runs, or a grid of them"
+    if isinstance(runs, Grid | Runs):
+        return runs
+    several = listed("runs", runs, requirement)
+    for run in several:
+        checked_kind("runs", run, Run, requirement)
+    return several
+
+
 class Runs(Sequence[Run]):
     """The runs of a study, each once and in canonical form, in the order in which they were given.
 
@@ -129,7 +141,7 @@ class Runs(Sequence[Run]):
     """
 
     def __init__(self, runs: Iterable[Run]) -> None:
-        self._source = runs if isinstance(runs, Sequence) else tuple(runs)
+        self._source = checked_runs(runs)
         self.shared: dict[str, Any] = {}
         content = bytearray()
         source = self._source

@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from psp3.checks import Array, as_floats
-from psp3.errors import InvalidArray, InvalidValue, UnknownName
+from psp3.checks import Array, as_floats, known_name
+from psp3.errors import InvalidArray, InvalidValue
 from psp3.study.intervals import CONFIDENCE as CONFIDENCE
 from psp3.study.intervals import MEASURED_COVERAGE as MEASURED_COVERAGE
 from psp3.study.intervals import RESAMPLES as RESAMPLES
@@ -360,8 +360,7 @@ def compare(
     table = Table.of(rows)
     known = dict.fromkeys((*CONTROLLERS, *map(str, table.settings.column("controller"))))
     for name in (controller, baseline):
-        if name not in known:
-            raise UnknownName("controller", name, tuple(known))
+        known_name("controller", name, known)
     if controller == baseline:
         raise InvalidValue(
             "baseline", baseline, "another controller than the one that is compared with it"
@@ -421,8 +420,7 @@ def _partners(
 
 def check_metric(metric: str) -> None:
     """Raise :class:`UnknownName` if there is no such metric."""
-    if metric not in METRICS:
-        raise UnknownName("metric", metric, METRICS)
+    known_name("metric", metric, METRICS)
 
 
 def _finite(**named: ArrayLike) -> list[Array]:

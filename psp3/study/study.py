@@ -31,7 +31,7 @@ from pathlib import Path
 
 from fuzzy2.support.one_thread import one_thread
 from fuzzy2.support.text_files import written_whole
-from psp3.checks import checked_count
+from psp3.checks import checked_count, checked_function, checked_kind, checked_path
 from psp3.errors import InvalidValue, RunsFailed, SchedulerUnavailable, StudyInterrupted
 from psp3.study import cluster
 from psp3.study.execution import execute
@@ -126,6 +126,10 @@ class Study:
             After Ctrl-C, at whatever moment; a :class:`KeyboardInterrupt`. Runs that have begun
             are finished and kept.
         """
+        if scheduler is not None:
+            checked_kind("scheduler", scheduler, str, "an address, tcp://host:port")
+        if progress is not None:
+            checked_function("progress", progress)
         _check_workers(workers, scheduler)
         if self.runs is None:
             raise InvalidValue(
@@ -216,7 +220,7 @@ class Study:
         fuzzy2.errors.FileNotWritten
             If it cannot be written.
         """
-        path = Path(path)
+        path = checked_path("path", path)
         if path.resolve() == self.path:
             raise InvalidValue(
                 "path", str(path), "another file than that of the study, which it would replace"

@@ -9,8 +9,8 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from psp3.checks import Array
-from psp3.errors import UnknownName
+from psp3.checks import Array, checked_count, known_name, listed
+from psp3.errors import InvalidValue
 from psp3.study.columns import RunColumns
 from psp3.study.run import METRICS, Run, Value, contents, field_types
 
@@ -48,7 +48,10 @@ class Table(Sequence[Row]):
             return rows
         places: dict[Run, int] = {}
         setting, seeds, metrics = [], [], []
-        for row in rows:
+        wanted = "a table, or a list of mappings with the fields of a run and its metrics"
+        for row in listed("rows", rows, wanted):
+            if not isinstance(row, Mapping) or not set(METRICS) <= row.keys():
+                raise InvalidValue("rows", row, wanted)
             run = Run(**{name: row[name] for name in field_types() if name in row})
             setting.append(places.setdefault(replace(run, seed=0), len(places)))
             seeds.append(run.seed)
@@ -87,7 +90,10 @@ class Table(Sequence[Row]):
         return {**contents(self.run(index)), **values}
 
     def run(self, index: int) -> Run:
-        """Return the run of a row."""
+        """Return the run of a row, counted from 0, or from the end if negative."""
+        least = -len(self)
+        if not least <= checked_count("index", index, least) < len(self):
+            raise InvalidValue("index", index, f"that of one of the {len(self)} rows")
         setting: Run = self.settings[int(self.setting[index])]
         return replace(setting, seed=int(self.seeds[index]))
 
@@ -99,12 +105,11 @@ class Table(Sequence[Row]):
         UnknownName
             If there is no such column.
         """
+        known_name("column", name, (*field_types(), *METRICS))
         if name in METRICS:
             return np.asarray(self.metrics[:, METRICS.index(name)])
         if name == "seed":
             return self.seeds
-        if name not in field_types():
-            raise UnknownName("column", name, (*field_types(), *METRICS))
         values = np.empty(len(self.settings), dtype=object)
         values[:] = self.settings.column(name)
         return np.asarray(values[self.setting])
@@ -119,8 +124,7 @@ class Table(Sequence[Row]):
         """
         keep = np.ones(len(self), dtype=bool)
         for name, given in selection.items():
-            if name not in field_types():
-                raise UnknownName("field of a run", name, list(field_types()))
+            known_name("field of a run", name, field_types())
             several = isinstance(given, Iterable) and not isinstance(given, str)
             wanted: set[Any] = set(given) if several else {given}  # type: ignore[arg-type]
             if name == "seed":

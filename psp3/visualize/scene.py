@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 from fuzzy2.errors import printable
 from fuzzy2.support.markup import Markup, data_from_json, element, filled
 from fuzzy2.support.text_files import write_text
-from psp3.checks import Array, one_row
+from psp3.checks import Array, checked_positive, checked_robot, one_row
 from psp3.errors import InvalidValue
 from psp3.kinematics.tasks import rotating
 from psp3.robots.robot import Robot
@@ -140,6 +140,7 @@ class Scene:
     """
 
     def __init__(self, robot: Robot) -> None:
+        checked_robot(robot)
         self.robot = robot
         self._commands = DrawingCommands()
         self._viewer = meshcat.Visualizer(window=self._commands)
@@ -236,12 +237,17 @@ class Scene:
             If there is no motion, a result without a sample, or a trajectory that never rests
             without a duration.
         """
+        if duration is not None:
+            checked_positive("duration", duration)
         named: dict[str, Result | Trajectory] = (
             dict(motions) if isinstance(motions, Mapping) else {"": motions}
         )
         samples = {
             name: len(motion.t) for name, motion in named.items() if isinstance(motion, Result)
         }
+        for motion in named.values():
+            if not isinstance(motion, Result) and not callable(motion):
+                raise InvalidValue("motions", motion, "results, or trajectories")
         if not named or min(samples.values(), default=1) == 0:
             raise InvalidValue(
                 "motions",
