@@ -15,7 +15,7 @@ general type-2     (U, V) of objects    secondary memberships, `Type1Set`; neste
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -90,7 +90,7 @@ def _checked(name: str, value: RelationLike, universes: int) -> tuple[Kind, Rela
             raise InvalidValue(name, secondaries.shape, requirement)
         return "general", secondaries
     try:
-        grades = reals("a relation", value)
+        grades = reals("a relation", cast("ArrayLike", value))
     except (TypeError, ValueError) as error:
         raise InvalidValue(name, value, requirement) from error
     kind: Kind = "type-1" if grades.ndim == universes else "interval"
@@ -109,7 +109,11 @@ def _checked(name: str, value: RelationLike, universes: int) -> tuple[Kind, Rela
 
 def _dimensions(value: RelationLike) -> int:
     try:
-        return _objects(value).ndim if _holds_sets(value) else reals("a relation", value).ndim
+        return (
+            _objects(value).ndim
+            if _holds_sets(value)
+            else reals("a relation", cast("ArrayLike", value)).ndim
+        )
     except (TypeError, ValueError) as error:
         raise InvalidValue("R", value, "numbers, or secondary memberships") from error
 

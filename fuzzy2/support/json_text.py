@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import math
 from typing import Any, NoReturn
 
 from fuzzy2.errors import MalformedFile
+from fuzzy2.support.bounded_files import MOST_PARTS
 
 
 class _Repeated(dict[str, Any]):
@@ -27,13 +29,20 @@ def parse_json(text: str, source: str = "document") -> Any:
     Raises
     ------
     MalformedFile
-        If it is not JSON (``place`` is the line and column), or is nested too deeply, has a number
-        that JSON has no word for, has half of a surrogate pair in a string, or gives a name twice
+        If it is not JSON (``place`` is the line and column), or is nested too deeply, has more than
+        :data:`MOST_PARTS` lists, objects and names, a number that JSON has no word for or that is
+        too large for a float, half of a surrogate pair in a string, or gives a name twice
         (``place`` is the path).
     """
+    # Before anything is made of them: each takes some hundred bytes, however short it is written.
+    if sum(map(text.count, "[{:")) > MOST_PARTS:
+        raise MalformedFile(source, "$", f"has more than {MOST_PARTS} lists, objects and names")
     try:
         document = json.loads(
-            text, object_pairs_hook=_without_repetition, parse_constant=_refuse_constant
+            text,
+            object_pairs_hook=_without_repetition,
+            parse_constant=_refuse_constant,
+            parse_float=_finite,
         )
         repeated = _first_repeated(document, "$")
         if "\\ud" in text.lower():
@@ -58,13 +67,23 @@ def _refuse_constant(name: str) -> NoReturn:
     raise ValueError(f"{name} is not a number of JSON")
 
 
+def _finite(text: str) -> float:
+    number = float(text)
+    if math.isinf(number):
+        raise ValueError(f"{text[:40]} is too large for a number")
+    return number
+
+
 def _without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) == len(pairs):
         return found
-    names = [name for name, _ in pairs]
-    marked = _Repeated(pairs)
-    marked.name = next(name for i, name in enumerate(names) if name in names[:i])
+    marked, seen = _Repeated(pairs), set()
+    for name, _ in pairs:
+        if name in seen:
+            marked.name = name
+            break
+        seen.add(name)
     return marked
 
 

@@ -113,7 +113,7 @@ def _keys(path: Path) -> dict[str, Any]:
     """
     import yaml
 
-    class Loader(yaml.SafeLoader):
+    class Loader(yaml.SafeLoader):  # type: ignore[misc]
         depth = found = 0
 
         def compose_node(self, parent: Any, index: Any) -> Any:

@@ -147,7 +147,8 @@ def _joined(corners: Array) -> Mesh:
 
 
 def _obj(content: bytes) -> Mesh:
-    vertices, faces = [], []
+    vertices: list[list[float]] = []
+    faces: list[list[int]] = []
     for line in content.decode("utf-8", "replace").splitlines():
         words = line.split()
         if words[:1] == ["v"]:

@@ -284,7 +284,7 @@ def _parsed(path: Path) -> ElementTree.Element:
     parser, builder = expat.ParserCreate(), BoundedBuilder()
     parser.StartElementHandler, parser.EndElementHandler = builder.start, builder.end
     parser.CharacterDataHandler = builder.data
-    parser.StartDoctypeDeclHandler = builder.doctype
+    parser.StartDoctypeDeclHandler = builder.doctype  # type: ignore[assignment]
     parser.buffer_text = True
     try:
         data = _without_comments(content_of(path).lstrip(BLANKS.encode()))

@@ -57,7 +57,7 @@ class BoundedBuilder(ElementTree.TreeBuilder):
         super().__init__()
         self._depth = self._found = 0
 
-    def start(self, tag: str, attributes: dict[str, str]) -> ElementTree.Element:  # type: ignore[override]
+    def start(self, tag: str, attributes: dict[str, str]) -> ElementTree.Element:
         """Begin an element, or refuse it."""
         self._depth += 1
         self._found += 1

@@ -156,6 +156,6 @@ def _format_of(path: Path) -> Any:
     """Return what a JSON file says of its format, if it says anything."""
     try:
         content = json.loads(read_text(path))
-    except ValueError:
+    except (ValueError, RecursionError):
         return None
     return content.get("format") if isinstance(content, dict) else None

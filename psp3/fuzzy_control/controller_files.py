@@ -11,7 +11,7 @@ import numpy as np
 
 from fuzzy2.files.json_files import from_json, to_json
 from fuzzy2.learning.partition import KINDS
-from fuzzy2.support.json_documents import json_document
+from fuzzy2.support.json_text import parse_json
 from fuzzy2.support.text_files import read_text, write_text
 from fuzzy2.systems.general_type2 import GeneralType2System
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
@@ -83,7 +83,7 @@ def load(kind_of_controller: type[Any], path: str | Path, robot: Any) -> Any:
     """Read a controller, see :meth:`psp3.FuzzyComputedTorque.load`."""
     path = checked_path("path", path)
     try:
-        return _controller_from(kind_of_controller, json_document(read_text(path)), robot, path)
+        return _controller_from(kind_of_controller, parse_json(read_text(path)), robot, path)
     except InvalidControllerFile:
         raise
     except OSError as error:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy2.support.bounded_files import LARGEST_NUMBERS
-from fuzzy2.support.json_documents import json_document
+from fuzzy2.support.json_text import parse_json
 from fuzzy2.support.text_files import read_text, write_text
 from psp3.checks import Array
 from psp3.errors import InvalidArray, InvalidMapFile, InvalidValue, UnknownName
@@ -197,7 +197,7 @@ class KinematicMap:
             If the file is missing, larger than asked for, or not a whole map of this version.
         """
         try:
-            content = json_document(read_text(path, largest))
+            content = parse_json(read_text(path, largest))
         except OSError as error:
             raise InvalidMapFile(path, f"cannot be read ({error.strerror or error})") from error
         except ValueError as error:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -131,7 +132,7 @@ def load_result(path: str | Path, largest: int = LARGEST) -> Result:
     """
     path = checked_path("path", path)
     try:
-        content = dict(arrays_of(path, largest))
+        content: dict[str, Any] = dict(arrays_of(path, largest))
     except (OSError, ValueError) as error:
         raise InvalidResultFile(
             path, f"is not a whole result file ({getattr(error, 'strerror', None) or error})"

@@ -16,6 +16,7 @@ penalties", Statistical Science 11(2), 1996, for its use with few coefficients.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -53,7 +54,8 @@ def smoothed_motion(t: Array, positions: Array) -> Callable[[Array], tuple[Array
     # Lengths and times near 1, so that a spline of degree 5 keeps its digits.
     start, length = t[0], t[-1] - t[0]
     knots_at = (t - start) / length
-    best, chosen = np.full(n, np.inf), [None] * n
+    best = np.full(n, np.inf)
+    chosen: list[Any] = [None] * n
     for pieces in np.unique(np.geomspace(1, count // 2 - DEGREE, TRIED).round().astype(int)):
         # As many measurements in every piece, so that all coefficients are determined.
         inner = np.interp(
@@ -72,7 +74,9 @@ def smoothed_motion(t: Array, positions: Array) -> Callable[[Array], tuple[Array
 
     with np.errstate(over="ignore", invalid="ignore"):
         largest = [
-            np.abs(spline.c).max() / min(length**2, 1.0) for spline in chosen if spline is not None
+            float(np.abs(spline.c).max()) / min(length**2, 1.0)
+            for spline in chosen
+            if spline is not None
         ]
     if len(largest) < n or not np.isfinite(largest).all():
         raise InvalidValue(
@@ -86,7 +90,7 @@ def smoothed_motion(t: Array, positions: Array) -> Callable[[Array], tuple[Array
         at = (times - start) / length
         value, rate, curvature = (
             np.stack(
-                [spline(at, order)[:, j] / length**order for j, spline in enumerate(chosen)],  # type: ignore[misc]
+                [spline(at, order)[:, j] / length**order for j, spline in enumerate(chosen)],
                 axis=-1,
             )
             for order in range(3)

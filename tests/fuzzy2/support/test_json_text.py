@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzzy2.errors import MalformedFile
+from fuzzy2.support.bounded_files import MOST_PARTS
 from fuzzy2.support.json_text import parse_json
 
 VALUES = st.recursive(
@@ -40,7 +41,10 @@ def test_whatever_json_writes_is_read(value: object) -> None:
         ('{"a\\ud800": 1}', "$", "has half of a pair of characters, '\\ud800'"),
         ("1" * 5000, "$", "Exceeds the limit"),
         ("", "line 1, column 1", "Expecting value"),
+        ("[1e999]", "$", "1e999 is too large"),
+        ("[" + "[]," * MOST_PARTS + "[]]", "$", "more than 1000000 lists, objects and names"),
     ],
+    ids=range(13),
 )
 def test_what_is_none_is_refused_with_its_place(text: str, place: str, said: str) -> None:
     with pytest.raises(MalformedFile) as caught:
