@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import io
+import warnings
 import zipfile
 import zlib
 from collections.abc import Callable
@@ -64,7 +65,10 @@ def packed(pairs: list[tuple[str, bytes]], kind: int = zipfile.ZIP_DEFLATED) -> 
             # The same moment, so that the same files make the same archive.
             entry = zipfile.ZipInfo(name)
             entry.compress_type = kind
-            file.writestr(entry, content)
+            with warnings.catch_warnings():
+                # A name may be there twice on purpose.
+                warnings.simplefilter("ignore", UserWarning)
+                file.writestr(entry, content)
     return out.getvalue()
 
 
