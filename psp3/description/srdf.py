@@ -9,12 +9,28 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from fuzzy2.support.bounded_files import shortened
 from fuzzy2.support.logs import logger_named
 from psp3.checks import Array
 from psp3.description.xml import described, numbers, read_xml, unique_names
 from psp3.errors import InvalidRobotFile
 
 logger = logger_named(__name__)
+
+KNOWN = frozenset(
+    {
+        *("group", "group_state", "end_effector", "virtual_joint", "passive_joint"),
+        *("disable_collisions", "enable_collisions", "disable_default_collisions"),
+        *("link_sphere_approximation", "joint_property"),
+    }
+)
+"""Elements of an SRDF. Of these poses and excluded pairs matter here, the others to planners."""
+
+READ = {
+    "group_state": frozenset({"name", "group"}),
+    "disable_collisions": frozenset({"link1", "link2", "reason"}),
+}
+"""What is read, with its attributes."""
 
 
 def reference_poses(model: pin.Model, srdf: str | Path) -> dict[str, Array]:
@@ -33,13 +49,26 @@ def reference_poses(model: pin.Model, srdf: str | Path) -> dict[str, Array]:
     path = Path(srdf)
     poses = {
         name: _pose(path, state, model)
-        for name, state in unique_names(
-            path, read_xml(path, "robot").findall("group_state")
-        ).items()
+        for name, state in unique_names(path, _outermost(path).findall("group_state")).items()
     }
     for name, pose in poses.items():
         model.referenceConfigurations[name] = pose
     return poses
+
+
+def _outermost(path: Path) -> ElementTree.Element:
+    """Return the outermost element; a warning tells of what no SRDF has, or not in that place."""
+    outermost = read_xml(path, "robot")
+    unknown = [described(child) for child in outermost if child.tag not in KNOWN]
+    for child in outermost:
+        inside = (one for one in child.iter() if one is not child)
+        unknown += [f"{described(one)} in <{child.tag}>" for one in inside if one.tag in READ]
+        if child.tag in READ:
+            more = sorted(child.attrib.keys() - READ[child.tag])
+            unknown += [f"{key} of {described(child)}" for key in more]
+    if unknown:
+        logger.warning("%s: this is not read: %s", path, shortened(", ".join(unknown)))
+    return outermost
 
 
 def _pose(path: Path, state: ElementTree.Element, model: pin.Model) -> Array:
@@ -101,7 +130,7 @@ def excluded_by_srdf(srdf: str | Path) -> list[Exclusion]:
         If the file is missing or not XML, or an element does not name two links.
     """
     found = []
-    for element in read_xml(Path(srdf), "robot").iter("disable_collisions"):
+    for element in _outermost(Path(srdf)).findall("disable_collisions"):
         first, second = element.get("link1"), element.get("link2")
         if not first or not second or first == second:
             raise InvalidRobotFile(

@@ -153,6 +153,32 @@ def test_what_is_not_read_of_a_pose_is_told(
     assert "this is not read: <joints>, vlaue of <joint" in caplog.text
 
 
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("<group_states name='home'/>", "<group_states name='home'>"),
+        ("<group><group_state name='home'/></group>", "<group_state name='home'> in <group>"),
+        ("<group name='a'><disable_collisions/></group>", "<disable_collisions> in <group>"),
+        ("<group_state name='home' GROUP='a'/>", "GROUP of <group_state name='home'>"),
+    ],
+)
+def test_what_no_srdf_has_is_told(
+    tmp_path: Path,
+    two_joints: pin.Model,
+    caplog: pytest.LogCaptureFixture,
+    text: str,
+    told: str,
+) -> None:
+    """A pose or a pair that is misspelt, or in a wrong place, is not lost in silence."""
+    path = tmp_path / "r.srdf"
+    path.write_text(f"<robot name='r'><group name='legs'/><virtual_joint/>{text}</robot>")
+    with caplog.at_level("WARNING", "psp3"):
+        reference_poses(two_joints, path)
+        excluded_by_srdf(path)
+    assert told in caplog.text.replace('"', "'")
+    assert "virtual_joint" not in caplog.text
+
+
 def test_the_srdf_of_the_package_is_read_as_pinocchio_reads_it() -> None:
     """Pinocchio removes the same pairs; at present there is none to remove."""
     srdf = Path(psp3.__file__).parent / "urdf" / "psp3.srdf"
