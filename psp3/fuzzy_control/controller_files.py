@@ -29,6 +29,15 @@ FORMAT = "psp3-fuzzy-computed-torque-1"
 FORMAT_OF_ANY = "psp3-fuzzy-computed-torque-2"
 """Written into those of other robots, whose rule bases are several."""
 
+KEYS = frozenset(
+    {
+        *("format", "kind", "kp", "kv", "outside", "defuzzify", "learner", "n_terms"),
+        *("mean_variation", "term_width", "inputs", "outputs", "snr_db", "ranges", "robot"),
+        *("rules", "coriolis", "system", "systems"),
+    }
+)
+"""What either of them may say; another word is a misspelled one, and would be lost."""
+
 SAME_DYNAMICS = 1e-6
 """Relative difference of M and G at the reference up to which a robot is the one in the file."""
 
@@ -103,6 +112,8 @@ def _controller_from(
         raise InvalidControllerFile(
             path, f"has format {found!r}, this version reads {' and '.join(map(repr, known))}"
         )
+    if unknown := sorted(content.keys() - KEYS):
+        raise InvalidControllerFile(path, f"has {', '.join(unknown)}, which no controller has")
     is_ours = content["format"] == FORMAT
     robot = (_three_psp if is_ours else _other_robot)(content["robot"], robot, path)
     systems = [

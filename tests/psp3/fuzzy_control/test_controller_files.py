@@ -50,6 +50,10 @@ def test_files_for_another_robot_are_refused_by_name(tmp_path: Path) -> None:
     path.write_text(json.dumps(content))
     with pytest.raises(InvalidControllerFile, match="another mass or weight"):
         FuzzyComputedTorque.load(path)
+    misspelled = content | {"defuzzifys": "last"}
+    path.write_text(json.dumps(misspelled))
+    with pytest.raises(InvalidControllerFile, match="has defuzzifys, which no controller has"):
+        FuzzyComputedTorque.load(path)
     content["robot"]["name"] = "mine"
     path.write_text(json.dumps(content))
     with pytest.raises(InvalidControllerFile, match="give robot="):
