@@ -235,7 +235,8 @@ def checked_kind(name: str, value: object, kind: type | tuple[type, ...], requir
 
 def checked_robot(robot: Any) -> None:
     """Raise :class:`InvalidValue` if something is no robot."""
-    if not hasattr(robot, "model") and not hasattr(robot, "reference"):
+    # A controller has a model, too, which is a robot.
+    if not hasattr(robot, "reference") and not hasattr(getattr(robot, "model", None), "names"):
         raise InvalidValue("robot", robot, 'a robot, as psp3.load("delta") returns it')
 
 

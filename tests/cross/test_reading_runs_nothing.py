@@ -127,5 +127,5 @@ def test_a_pickle_among_arrays_is_refused(tmp_path: Path) -> None:
     """It would be run."""
     path = tmp_path / "one.npz"
     np.savez(path, t=np.array([object()], dtype=object))
-    with pytest.raises(psp3.errors.InvalidResultFile, match="allow_pickle"):
+    with pytest.raises(psp3.errors.InvalidResultFile, match="holds object"):
         psp3.load_result(path)

@@ -31,7 +31,7 @@ work = lambda: [s(X) for _ in forever]
     "type-reduced": """
 s = system(t2=True)
 X = rows(4_000_000, 2)
-work = lambda: s.type_reduced(X)
+work = lambda: [s.type_reduced(X) for _ in forever]
 """,
     "firing": """
 s = system(t2=True, terms=15)
@@ -41,12 +41,12 @@ work = lambda: [s.firing(X) for _ in forever]
     "alpha-cuts": """
 s = system(gt2=True)
 X = rows(1_000_000, 2)
-work = lambda: s.alpha_cuts(X)
+work = lambda: [s.alpha_cuts(X) for _ in forever]
 """,
     "general type 2": """
 s = system(gt2=True)
 X = rows(2_000_000, 2)
-work = lambda: s(X)
+work = lambda: [s(X) for _ in forever]
 """,
     "corollary": """
 s = system(gt2=True, reduction='gaussian')
@@ -56,7 +56,7 @@ work = lambda: [s(X) for _ in forever]
     "centroid of unions": """
 s = system(t2=True, sets=True)
 X = rows(2_000_000, 2)
-work = lambda: s(X)
+work = lambda: [s(X) for _ in forever]
 """,
     "adaptation": """
 s = fuzzy2.AdaptiveConsequents(system(terms=9))
@@ -66,7 +66,7 @@ work = lambda: [s.update(X, X[:, :1]) for _ in forever]
     "fine tuning": """
 s = system(t2=True, terms=7)
 X = rows(300_000, 2)
-work = lambda: fuzzy2.fine_tune(s, X, X[:, 0], rng)
+work = lambda: [fuzzy2.fine_tune(s, X, X[:, 0], rng) for _ in forever]
 """,
     "anfis": """
 X = rows(30_000, 2)
@@ -80,11 +80,11 @@ work = lambda: [a.fit(X, X[:, 0]) for _ in forever]
 """,
     "clusters": """
 X = rows(100_000, 2)
-work = lambda: fuzzy2.fuzzy_c_means(X, 40)
+work = lambda: [fuzzy2.fuzzy_c_means(X, 40) for _ in forever]
 """,
     "subtractive clusters": """
 X = rows(30_000, 2)
-work = lambda: fuzzy2.subtractive_clustering(X, 0.05)
+work = lambda: [fuzzy2.subtractive_clustering(X, 0.05) for _ in forever]
 """,
     "centroids": """
 w = np.sort(rows(100_000, 2, 40))
@@ -93,7 +93,7 @@ work = lambda: [fuzzy2.centroid(np.arange(40.), w[:, 0], w[:, 1]) for _ in forev
 """,
     "exhaustive centroid": """
 z = [fuzzy2.SampledSet(rows(4), rows(4)) for _ in range(12)]
-work = lambda: fuzzy2.exhaustive_generalized_centroid(range(12), z, limit=10**8)
+work = lambda: [fuzzy2.exhaustive_generalized_centroid(range(12), z, limit=10**8) for _ in forever]
 """,
     # psp3: batches, paths, simulations, searches, learning, studies.
     "inverse dynamics": """
@@ -104,17 +104,17 @@ work = lambda: [r.inverse_dynamics(q, q, q) for _ in forever]
     "forward dynamics": """
 r = psp3.load('delta')
 q = around(r, 2_000_000)
-work = lambda: r.forward_dynamics(q, q, q)
+work = lambda: [r.forward_dynamics(q, q, q) for _ in forever]
 """,
     "derivatives": """
 r = psp3.load('delta')
 q = around(r, 200_000)
-work = lambda: psp3.inverse_dynamics_derivatives(r, q, q, q)
+work = lambda: [psp3.inverse_dynamics_derivatives(r, q, q, q) for _ in forever]
 """,
     "a path": """
 r = psp3.load('gough_stewart')
 q = around(r, 1_000_000)
-work = lambda: r.configurations_along(q)
+work = lambda: [r.configurations_along(q) for _ in forever]
 """,
     "far poses": """
 r = psp3.load('delta')
@@ -124,23 +124,23 @@ work = lambda: [refused(lambda: r.configuration(row)) for row in q]
     "simulation": """
 r = psp3.load('psp3')
 c = psp3.ComputedTorque(r, 900, 60)
-work = lambda: psp3.simulate(r, c, still(r), 4000.0)
+work = lambda: [psp3.simulate(r, c, still(r), 4000.0) for _ in forever]
 """,
     "simulation of many steps": """
 r = psp3.load('delta')
 c = psp3.ComputedTorque(r, 900, 60)
 plant = psp3.simulation.runge_kutta.RungeKutta(r, 10_000)
-work = lambda: psp3.simulate(r, c, still(r), 100.0, plant=plant)
+work = lambda: [psp3.simulate(r, c, still(r), 100.0, plant=plant) for _ in forever]
 """,
     "simulation in MuJoCo": """
 r = psp3.load('delta')
 c = psp3.ComputedTorque(r, 900, 60)
-work = lambda: psp3.simulate(r, c, still(r), 100.0, plant=psp3.MuJoCo(r, 10_000))
+work = lambda: [psp3.simulate(r, c, still(r), 100.0, plant=psp3.MuJoCo(r, 10_000)) for _ in forever]
 """,
     "workspace": """
 r = psp3.load('delta')
 grid = {k: np.linspace(-0.1, 0.1, 90) - 0.6 * (k == 'z') for k in 'xyz'}
-work = lambda: psp3.Workspace(r, 'tip', ('x', 'y', 'z')).map(grid)
+work = lambda: [psp3.Workspace(r, 'tip', ('x', 'y', 'z')).map(grid) for _ in forever]
 """,
     "identification": """
 from psp3.identification.base_parameters import base_parameters
@@ -156,7 +156,7 @@ work = lambda: [psp3.identify(b, t, q, f, 1.0) for _ in forever]
 from psp3.identification.base_parameters import base_parameters
 from psp3.identification.unknowns import all_parameters
 b = base_parameters(all_parameters(psp3.load('psp3')))
-work = lambda: psp3.exciting_motion(b, 1.0, 3.0, draws=10**6)
+work = lambda: [psp3.exciting_motion(b, 1.0, 3.0, draws=10**6) for _ in forever]
 """,
     "conformal intervals": """
 y = rows(1_000_000, 3)
@@ -166,7 +166,7 @@ work = lambda: [psp3.ConformalIntervals(y, i) for _ in forever]
     "training": """
 r = psp3.load('psp3')
 c = psp3.FuzzyComputedTorque('gt2', r)
-work = lambda: c.fit(psp3.trajectories.Circle(robot=r), 4000.0)
+work = lambda: [c.fit(psp3.trajectories.Circle(robot=r), 4000.0) for _ in forever]
 """,
     "a study in one process": """
 s = psp3.Study('runs.sqlite', psp3.grid(controller=['it2'], snr_db=[20.0], seed=range(10_000)))

@@ -74,7 +74,7 @@ def with_or_not_hedges() -> Any:
 
 
 def side_by_side() -> Any:
-    parts = [interval().replace(output_names=["u", "v"]), planes().replace(output_names="pq")]
+    parts = [interval().replace(output_names=["u", "v"]), planes().replace(output_names=["p", "q"])]
     return fuzzy2.ParallelSystem([type_1(), *parts])
 
 
