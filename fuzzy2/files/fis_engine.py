@@ -367,7 +367,7 @@ class FisEngineReader(FisLines):
             is_code = math.isclose(abs(code), 0.01 * total, rel_tol=1e-12)
             if not is_code or number > len(terms) or hundredths not in (0, 99, *HEDGES):
                 raise self.malformed(
-                    line, f"{name} has membership functions 1 to {len(terms)}, got {code:g}"
+                    line, f"{name} has membership functions 1 to {len(terms)}, got {code:.12g}"
                 )
             if code == 0.0:
                 continue

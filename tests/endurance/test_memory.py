@@ -33,7 +33,8 @@ def test_a_leak_is_found() -> None:
     kept: list[bytes] = []
     assert slope(lambda: kept.append(bytes(100)), 20_000) > 100.0
     kept.clear()
-    assert slope(lambda: kept.append(bytes(20_000)), 60) > 19_000.0
+    # A page more or less at both ends of six calls is 1365 bytes a call.
+    assert slope(lambda: kept.append(bytes(20_000)), 60) > 18_000.0
 
 
 @pytest.mark.slow

@@ -257,7 +257,7 @@ def test_what_a_system_cannot_be_is_refused(old: str, new: str, line: int, said:
         ("1.000 -2.200 ,", "1.000 ,", "expected 2 numbers"),
         ("1.000 -2.200 ,", "0.200 2.000 ,", "a hedge of no term"),
         ("1.000 -2.200 ,", "1.000 Inf ,", "membership functions 1 to 2, got inf"),
-        ("1.000 -2.200 ,", "1.000000001 -2.200 ,", "membership functions 1 to 2"),
+        ("1.000 -2.200 ,", "1.000000001 -2.200 ,", "1 to 3, got 1.000000001"),
         ("(0.500)", "(1.500)", "a weight from 0 to 1"),
         ("'concavemf',", "concavemf,", "expected '<name>'"),
         ("[Input2]", "[Input3]", "no section [Input2]"),
