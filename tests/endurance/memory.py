@@ -113,8 +113,8 @@ def calls() -> dict[str, Callable[[], object]]:
         "Gaussian": lambda: fuzzy2.Gaussian(0.0, 1.0)(0.5),
         "t_norm": lambda: fuzzy2.t_norm("product")(0.5, 0.5),
         "parse_rules": lambda: fuzzy2.parse_rules(
-        "IF a is low THEN b is high", {"a": ["low"]}, {"b": ["high"]}
-    ),
+            "IF a is low THEN b is high", {"a": ["low"]}, {"b": ["high"]}
+        ),
         "Run": lambda: psp3.Run(seed=1),
     }
 

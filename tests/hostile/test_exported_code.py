@@ -11,6 +11,7 @@ import pytest
 
 import fuzzy2
 import psp3
+from fuzzy2.errors import NotExportable
 from fuzzy2.export.c_text import comment
 from fuzzy2.export.project import export_project
 from psp3.drives.drive import Drive
@@ -54,11 +55,17 @@ def test_a_name_ends_no_comment_and_no_string(name: str, tmp_path: Path) -> None
 
 
 def test_titles_of_robots_are_comments_of_their_code(tmp_path: Path) -> None:
-    model = plant_model(psp3.load("five_bar"), "five_bar", 0.002, 1, Drive())
+    model = plant_model(psp3.load("five_bar"), "five_bar", 0.002, 1, Drive(), None)
+    shown = 0
     for name in NAMES:
-        header = glue(dataclasses.replace(model, title=name), "guid")
+        try:
+            named = dataclasses.replace(model, title=name)
+        except NotExportable:  # XML has no word for some characters
+            continue
+        header, shown = glue(named, "guid"), shown + 1
         begin = header.partition("#ifndef")[0]
         assert preprocessed(begin + "int a;", tmp_path).split() == ["int", "a;"]
+    assert shown > len(NAMES) // 2
 
 
 def test_names_of_a_system_are_cells_of_its_readme(tmp_path: Path) -> None:
