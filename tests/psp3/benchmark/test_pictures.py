@@ -28,7 +28,8 @@ def test_every_cell_is_drawn_with_its_interval_in_millimeters() -> None:
         np.testing.assert_allclose(line.get_xdata(), [1e3 * one.value for one in estimates])
         ends = np.array(bars.get_segments())[:, :, 0]
         np.testing.assert_allclose(ends[1], [1e3 * estimates[1].low, 1e3 * estimates[1].high])
-    names = [label.get_text() for label in panel.get_yticklabels()]
+    # A dollar that begins no formula has a backslash in front, which is not drawn.
+    names = [label.get_text().replace(r"\$", "$") for label in panel.get_yticklabels()]
     assert [name[:10] for name in names] == [name[:10] for name in ERRORS]
     assert max(map(len, names)) == LONGEST
 
