@@ -204,7 +204,9 @@ def checked_count(name: str, value: object, least: int = 1) -> int:
         or not isinstance(value, int | np.integer)
         or not least <= value <= MOST
     ):
-        raise InvalidValue(name, value, f"a whole number of at least {least}")
+        is_too_large = isinstance(value, int | np.integer) and value > MOST
+        wanted = "less than 2**63" if is_too_large else f"a whole number of at least {least}"
+        raise InvalidValue(name, value, wanted)
     return int(value)
 
 

@@ -2,7 +2,7 @@
 
 The moments of a body are sums of squares of two coordinates each, so that none is negative and none
 exceeds the sum of the other two. Readers refuse files whose masses or moments are negative; a model
-that is built in memory is looked at here.
+that is built in memory is looked at here, and only told of where its moments are.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ import numpy as np
 import pinocchio as pin
 
 from psp3.checks import Array
-from psp3.description.xml import negative_moment
 from psp3.errors import InvalidValue
 
 IMPOSSIBLE = 1e-9
@@ -26,15 +25,15 @@ ROUNDED = 2e-3
 def check_model(model: pin.Model) -> None:
     """Raise :class:`InvalidValue` if a model holds what no robot is made of.
 
-    That is a number that is not finite, or a mass or a moment of inertia that is negative.
+    That is a number that is not finite, or a negative mass. Of negative moments a warning tells:
+    identified parameters, and differences of robots, may have them and forces that are right.
     """
     for name, inertia in zip(model.names, model.inertias, strict=True):
         numbers = inertia.toDynamicParameters()
         if not np.isfinite(numbers).all() or not np.isfinite(inertia.lever).all():
             wrong, wanted = numbers.tolist(), "finite mass, moments and inertia"
-        elif inertia.mass < 0.0 or negative_moment(inertia.mass, inertia.inertia) is not None:
-            wrong = [inertia.mass, *np.linalg.eigvalsh(inertia.inertia).tolist()]
-            wanted = "a mass and principal moments that are not negative"
+        elif inertia.mass < 0.0:
+            wrong, wanted = inertia.mass, "a mass that is not negative"
         else:
             continue
         raise InvalidValue(f"model.inertias of joint {str(name)!r}", wrong, wanted)
