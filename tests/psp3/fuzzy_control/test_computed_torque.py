@@ -1251,7 +1251,7 @@ def swap(content: dict[str, Any], what: str) -> dict[str, Any]:
         (lambda c: {**c, "ranges": c["ranges"][::-1]}, "ranges"),
         (lambda c: {**c, "ranges": [[0.0] * 4, [0.0] * 4]}, "ranges"),
         (lambda c: {**c, "ranges": [row[:3] for row in c["ranges"]]}, "ranges"),
-        (lambda c: {**c, "ranges": [[-math.inf] * 4, [math.inf] * 4]}, "ranges"),
+        (lambda c: {**c, "ranges": [[-math.inf] * 4, [math.inf] * 4]}, "-Infinity is not a number"),
         (lambda c: {**c, "robot": {**c["robot"], "wheels": 4}}, "wheels"),
         (
             lambda c: {**c, "system": {**c["system"], "method": "nie_tan"}},
@@ -1302,9 +1302,11 @@ def test_damaged_files_are_refused(content: dict[str, Any], tmp_path: Path) -> N
         path.write_bytes(bad)
         with pytest.raises(InvalidControllerFile):
             FuzzyComputedTorque.load(path)
-    for nothing in (tmp_path / "missing.json", tmp_path, "a\0b"):
+    for nothing in (tmp_path / "missing.json", tmp_path):
         with pytest.raises(InvalidControllerFile):
             FuzzyComputedTorque.load(nothing)
+    with pytest.raises(InvalidValue, match="the path of a file"):
+        FuzzyComputedTorque.load("a\0b")
 
 
 @pytest.mark.parametrize("count", [0, 1])
