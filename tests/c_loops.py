@@ -262,7 +262,7 @@ class _Expression:
 
     def _in_brackets(self) -> Ends:
         """Return the bounds of what stands in brackets, or of what a type in them is put before."""
-        if self.tokens[self.at + 1] == ")" and self.tokens[self.at + 2] == "{":
+        if self.tokens[self.at + 1 : self.at + 3] == [")", "{"]:
             self.at += 3
             self._list("}")
             return NONE

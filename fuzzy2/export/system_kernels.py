@@ -97,7 +97,7 @@ def intervals_of(system: Any, x: Array, ends: Array) -> bool:
 
 
 @scalar
-def _finite(x):
+def _finite(x: Array) -> bool:
     """Return whether all inputs are."""
     finite = True
     for i in range(x.size):

@@ -51,7 +51,7 @@ DIRECT, CLOSED, FAR, LEARNED, RELEARNED = 1e-6, 1e-5, 5e-3, 2e-6, 5e-2
 """Bounds: a few roundings of 6e-8; with a model, which sums up tens of them; of regulators, whose
 forces grow with the model's where desired poses are far out, near singular ones; of rules, whose
 weights are a few roundings off; of rules that average and go on learning: 1.4 % of the largest
-force was seen on the 3-PSP after 400 steps, from an update on that hardly tells rules apart.
+force was seen on the 3-PSP after 400 steps, growing from the fourth update on; why is not known.
 """
 
 FLOATING, FEWER = "walker", "gripper"

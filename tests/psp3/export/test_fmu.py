@@ -30,9 +30,9 @@ from psp3.export import fmu
 from psp3.export.fmu import export_fmu
 from psp3.simulation.runge_kutta import RungeKutta
 from tests.project_folder import check_statically, needs_cppcheck
+from tests.psp3.export.controllers_of_all_kinds import CLASSICAL, OPTIONS, trained
 from tests.psp3.export.fmu_in_fmpy import PERIOD, VERSIONS, Control, Plant
 from tests.psp3.export.robots_of_all_kinds import MAKERS
-from tests.psp3.export.test_controllers import ANY, CLASSICAL, trained
 
 ROOT = Path(__file__).resolve().parents[3]
 ROBOTS = ("psp3", "five_bar", "delta")
@@ -333,16 +333,18 @@ def test_robots_of_files_are_those_of_simulate(kind: str, plant: Any, tmp_path: 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("version", ["2.0"])
-@pytest.mark.parametrize("kind", [*CLASSICAL, *ANY])
+@pytest.mark.parametrize(
+    "kind", [*(one for one in CLASSICAL if "psp3" in CLASSICAL[one].robots), *OPTIONS]
+)
 def test_controllers_of_every_kind_are_those_of_simulate(
     kind: str, control: Any, version: str
 ) -> None:
     """Their forces are the same code under all versions: one is enough."""
     robot = psp3.load("psp3" if kind in CLASSICAL else "five_bar")
-    made = CLASSICAL[kind](robot) if kind in CLASSICAL else trained("five_bar", kind)
+    made = CLASSICAL[kind].make(robot) if kind in CLASSICAL else trained(robot, kind)
     path = trajectory(robot)
     right = psp3.simulate(robot, made, path, duration=0.1)
-    ours = control(f"kind {[*CLASSICAL, *ANY].index(kind)}", made, robot=robot)
+    ours = control(f"kind {[*CLASSICAL, *OPTIONS].index(kind)}", made, robot=robot)
     assert_same(psp3.simulate(robot, ours, path, duration=0.1), right)
 
 

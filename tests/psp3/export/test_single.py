@@ -217,8 +217,8 @@ def test_the_steps_of_single_precision_are_larger() -> None:
         Path(psp3.__file__).parent.joinpath("multibody", f"{name}.py").read_text(encoding="utf-8")
         for name in modules
     )
-    motors = Path(psp3.__file__).parent.joinpath("dynamics", "motors.py")
-    sources += motors.read_text(encoding="utf-8")
+    for place in (("dynamics", "motors.py"), ("fuzzy_control", "adaptive_kernels.py")):
+        sources += Path(psp3.__file__).parent.joinpath(*place).read_text(encoding="utf-8")
     for name in CONSTANTS:
         assert f"\n{name} = " in sources, name
     assert CONSTANTS["SMALLEST_STEP"] > SMALLEST_STEP
