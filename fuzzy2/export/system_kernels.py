@@ -106,7 +106,7 @@ def _finite(x: Array) -> bool:
 
 
 @scalar
-def _nothing(out):
+def _nothing(out: Array) -> int:
     """Write NaN and return 0."""
     for j in range(out.size):
         out[j] = math.nan
@@ -128,7 +128,7 @@ def interval(system, x, ends):
 
 
 @scalar
-def _middles(ends, out):
+def _middles(ends: Array, out: Array) -> None:
     """Write the middles of intervals."""
     for j in range(out.size):
         out[j] = 0.5 * ends[2 * j] + 0.5 * ends[2 * j + 1]

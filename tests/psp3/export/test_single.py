@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -217,8 +218,12 @@ def test_the_steps_of_single_precision_are_larger() -> None:
         Path(psp3.__file__).parent.joinpath("multibody", f"{name}.py").read_text(encoding="utf-8")
         for name in modules
     )
-    for place in (("dynamics", "motors.py"), ("fuzzy_control", "adaptive_kernels.py")):
+    for place in (
+        ("dynamics", "motors.py"),
+        ("fuzzy_control", "adaptive_kernels.py"),
+        ("control", "task_space_kernels.py"),
+    ):
         sources += Path(psp3.__file__).parent.joinpath(*place).read_text(encoding="utf-8")
     for name in CONSTANTS:
-        assert f"\n{name} = " in sources, name
+        assert re.search(rf"^(\w+, )*{name}(, \w+)* = ", sources, re.M), name
     assert CONSTANTS["SMALLEST_STEP"] > SMALLEST_STEP
