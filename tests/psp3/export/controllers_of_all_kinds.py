@@ -47,11 +47,10 @@ class Kind(NamedTuple):
     checked: str = "psp3"
 
 
-DIRECT, CLOSED, FAR, LEARNED, RELEARNED = 1e-6, 1e-5, 5e-3, 2e-6, 5e-2
+DIRECT, CLOSED, FAR, LEARNED = 1e-6, 1e-5, 5e-3, 2e-6
 """Bounds: a few roundings of 6e-8; with a model, which sums up tens of them; of regulators, whose
 forces grow with the model's where desired poses are far out, near singular ones; of rules, whose
-weights are a few roundings off; of rules that average and go on learning: 1.4 % of the largest
-force was seen on the 3-PSP after 400 steps, growing from the fourth update on; why is not known.
+weights are a few roundings off.
 """
 
 FLOATING, FEWER = "walker", "gripper"
@@ -176,7 +175,7 @@ def _adaptive(kind: str) -> Kind:
     return Kind(
         lambda robot: psp3.AdaptiveFuzzyComputedTorque(trained(robot, kind)),
         robots,
-        RELEARNED if kind == "average" else LEARNED,
+        LEARNED,
         robots[0],
     )
 
