@@ -39,7 +39,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::fuzzy2.ApproximationWarning")
 REASONS = WHILE | {
     "average": "k comes from end_of_interval, which keeps it between 1 and one less than the rules",
     "directly": "pieces comes from pieces_of, which stops at the pieces that there is room for",
-    "bisector_of_union": "count comes from nodes_of, which stops at the nodes there is room for",
+    "bisector_of_union": "count comes from _nodes_of: the kinks, and the cuts of each set and end",
     "end_of": "pieces comes from pieces_of, which stops at the pieces that there is room for",
 }
 """Functions with loops whose ends are not derived, and why these end all the same."""
