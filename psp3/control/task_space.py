@@ -44,6 +44,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fuzzy2.support.described import Described
 from psp3.checks import Array, checked_not_negative
 from psp3.closure.rank import RANK_TOLERANCE
 from psp3.control.controller import SaysNothing, Widths, widths_of
@@ -92,7 +93,7 @@ def damped_reciprocals(singular_values: ArrayLike, threshold: float) -> Array:
     return damped
 
 
-class TaskSpaceComputedTorque(SaysNothing):
+class TaskSpaceComputedTorque(Described, SaysNothing):
     r"""Computed torque on a frame.
 
     The model makes the robot a unit mass in the coordinates of the task.
@@ -161,6 +162,15 @@ class TaskSpaceComputedTorque(SaysNothing):
         self._scaled = _ScaledJacobian(self.space)
         self.threshold = share * self._scaled.at_reference
         r"""The singular value :math:`\varepsilon` below which the inverse is damped."""
+
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "robot": self.robot,
+            "kp": self.kp,
+            "kv": self.kv,
+            "frame": self.space.frame,
+            "task": self.space.task,
+        }
 
     def reset(self) -> None:
         """Forget the pose of the last call, which changes nothing but rounding."""
