@@ -1,7 +1,7 @@
 """What "noise of S dB" means decides whether type-2 wins: the comparison under every definition.
 
 The thesis defines neither the power that its signal-to-noise ratios are taken against nor the
-signals that are noisy. The report opens with what each definition gives.
+signals that are noisy. The report says first which of them make type-2 win.
 """
 
 from __future__ import annotations
@@ -84,11 +84,11 @@ def definitions(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproductio
                 "SNR [dB]",
                 "type-1 [m²]",
                 "printed [m²]",
-                "T2/T1 of means, by rule",
-                "T2/T1 of geometric means, by rule",
+                "error of type-2 over type-1, means",
+                "the same, geometric means",
                 "type-1 wins, seeds",
-                "T2/T1 of means, best mean variation",
-                "verdict: by rule; with the best",
+                "the same of means, best mean variation",
+                "verdict; with the best mean variation",
             ],
             rows,
             f"{CONTRADICTION} The rule of this package takes a mean variation of {rule} at "
@@ -104,7 +104,6 @@ def definitions(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproductio
             "factor between typical runs. "
             f"{in_brackets((plan.seeds, plan.sweep_seeds), *ESTIMANDS)} The verdict is by the "
             "difference of means, seed by seed.",
-            opening=True,
         )
     )
     outcome.answer += [_what_decides(numbers, plan, levels), _argument(numbers, gravity)]
@@ -167,7 +166,7 @@ def _noise_on_gravity(robot: PSP3) -> dict[str, float]:
 
 
 def _what_decides(numbers: dict[str, dict[str, Any]], plan: Plan, levels: str) -> str:
-    """Return the first sentence of the report: under which definition type-2 wins."""
+    """Return the first sentence of the answer: under which definition type-2 wins."""
 
     def ratios(label: str, name: str) -> str:
         return listed([f"{entry[name]['value']:.2f}" for entry in numbers[label].values()])

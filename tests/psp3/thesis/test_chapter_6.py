@@ -40,7 +40,7 @@ def test_a_printed_number_that_changes_changes_the_verdict(monkeypatch: pytest.M
         return [row[-1] for row in outcome.tables[0].rows]
 
     before = verdicts()
-    assert before[0] == "matched by a fit (+0.7 %)"
+    assert before[0] == f"matched by a fit (+0.7 %): {chapter_6.REASONS['PD']}"
     computed = results.mean(Run("t1", snr_db=20.0), PLAN.seeds).value
     changed = dict(published.TABLE_6_3_FUZZY) | {20.0: (computed * 1.01, computed * 100.0)}
     monkeypatch.setattr(published, "TABLE_6_3_FUZZY", MappingProxyType(changed))
@@ -140,11 +140,13 @@ def timed(**medians: float) -> Reproduction:
 def test_latencies_beside_the_printed_times_and_the_budget() -> None:
     table = timed().tables[0]
     words = {row[0]: row[-1] for row in table.rows}
-    assert words["PD"] == "reproduced; within 2 ms"
-    assert words["CTC, closed form"] == "not reproduced: 25,500 times faster; within 2 ms"
+    assert words["PD"] == "reproduced: less than the printed bound; within 2 ms"
+    assert words["CTC, closed form"] == (
+        "not reproduced: 25,500 times faster, on a newer computer; within 2 ms"
+    )
     assert words["CTC, natural orthogonal complement"].endswith("not within 2 ms")
     assert words["CTC, Pinocchio"].endswith("median within 2 ms, not every step")
-    assert words["type-2"] == "not reproduced: 250 times faster; within 2 ms"
+    assert words["type-2"] == ("not reproduced: 250 times faster, on a newer computer; within 2 ms")
     (row,) = (row for row in table.rows if row[0] == "type-2")
     assert row[1:-1] == ["1.5", "0.0060", "0.0120", "0.0180", "0.0240"]
     assert (
