@@ -33,7 +33,8 @@ table { border-collapse: collapse; font-size: .88rem; font-variant-numeric: tabu
 th, td { text-align: left; padding: .35rem .6rem; border-bottom: 1px solid var(--line); \
 vertical-align: top; }
 th { line-height: 1.3; max-width: 9rem; } td.numbers { white-space: pre; }
-th, td { overflow-wrap: normal; } td.long { overflow-wrap: anywhere; } td:last-child { min-width: 7rem; }
+th, td { overflow-wrap: normal; } td.long { overflow-wrap: anywhere; } \
+td:last-child { min-width: 7rem; }
 .note, figcaption { color: var(--muted); font-size: .9rem; }
 figure { margin: 1.5rem 0; }
 img { max-width: 100%; height: auto; background: #ffffff; border-radius: 4px; display: block; }

@@ -190,8 +190,8 @@ def table_6_2(latencies: Mapping[str, Latency], outcome: Reproduction) -> None:
         )
     )
     outcome.answer.append(
-        "The premise is gone: the thesis estimates M, C and G because exact computed torque "
-        f"took 255 ms a step. In closed form it takes {1e6 * exact.median:.0f} µs from Python "
+        "The reason to estimate M, C and G is gone: in the thesis a step of exact computed torque "
+        f"took 255 ms. In closed form it takes {1e6 * exact.median:.0f} µs from Python "
         f"(type-2: {1e6 * it2.median:.0f} µs), on a budget of 2 ms{closer}."
     )
 
@@ -365,24 +365,25 @@ def answer_of_table_6_3(robot: PSP3, results: Outcomes, plan: Plan, outcome: Rep
     fuzzy = {kind: numbers["fuzzy"][decibels(math.inf)][kind]["mean"]["value"] for kind in FUZZY}
     if simple < min(fuzzy.values()):
         outcome.answer.append(
-            "A PD controller with PD's gains of Table 6.1 and the exact G added, which the thesis "
-            f"did not try, leaves {simple:.4f} m²: less on this helix than every fuzzy controller "
-            f"with default rules, even without noise{_on_other_paths(results, plan)}."
+            "A PD controller with the gains of Table 6.1 and the exact forces of gravity G, which "
+            f"the thesis did not try, has an error of {simple:.4f} m². On this helix that is less "
+            "than the error of every fuzzy controller with default rules, even without noise"
+            f"{_on_other_paths(results, plan)}."
         )
     sag, gap = _sag(robot), numbers["gap_without_noise"]
     outcome.answer.append(
-        f"PD leaves {pd:.2f} m² and CTC {ctc:.4f} m² of summed squared error (printed: "
-        f"{published.TABLE_6_3['PD']} and {published.TABLE_6_3['CTC']}): the ranking of Table "
-        f"6.3 {'holds' if ctc < pd else 'does not hold'}, and PD's row is its sag of "
-        f"{1e3 * sag:.0f} mm under gravity. It says nothing of tracking, and we chose the length "
-        "of the run to fit it. Without noise type-1 and type-2 are the same "
+        f"The error is {pd:.2f} m² under PD and {ctc:.4f} m² under CTC (printed: "
+        f"{published.TABLE_6_3['PD']} and {published.TABLE_6_3['CTC']}). The ranking of Table "
+        f"6.3 {'holds' if ctc < pd else 'does not hold'}. PD's error is its sag of "
+        f"{1e3 * sag:.0f} mm under gravity: it says nothing about tracking, and we chose the "
+        "length of the run to fit it. Without noise type-1 and type-2 are the same "
         f"controller, {fuzzy['t1']:.4f} m² (printed: {published.TABLE_6_3_FUZZY[math.inf][0]}; "
         f"they agree {'to the last bit' if gap == 0.0 else f'to {gap:.0e}'})."
     )
 
 
 def _on_other_paths(results: Outcomes, plan: Plan) -> str:
-    """Return where else PD with gravity leaves less than the fuzzy controllers, and where more.
+    """Return where else PD with gravity has less error than the fuzzy controllers, and where more.
 
     Than those with default rules and without noise.
     """
@@ -397,8 +398,8 @@ def _on_other_paths(results: Outcomes, plan: Plan) -> str:
             less.append(trajectory)
         elif simple > np.max(fuzzy):
             more.append(trajectory)
-    return (f", and so on {listed(less)}" if less else "") + (
-        f"; on {listed(more)} it leaves more than those without noise" if more else ""
+    return (f", and so it is on {listed(less)}" if less else "") + (
+        f"; on {listed(more)} it is more than theirs without noise" if more else ""
     )
 
 

@@ -55,7 +55,7 @@ def test_a_printed_number_that_changes_changes_the_verdict(monkeypatch: pytest.M
     ] == [0, first, first + 1]
 
 
-def test_paths_on_which_pd_with_gravity_leaves_less_or_more_are_named() -> None:
+def test_paths_on_which_pd_with_gravity_has_less_or_more_error_are_named() -> None:
     """On the line a fuzzy run diverged, and on the others both leave the same: nothing is said."""
     made_up = rows(it2=0.5)
     for row in made_up:
@@ -69,8 +69,9 @@ def test_paths_on_which_pd_with_gravity_leaves_less_or_more_are_named() -> None:
     chapter_6.answer_of_table_6_3(ROBOT, Outcomes(made_up), PLAN, outcome)
     gravity, classical = outcome.answer
     assert gravity.endswith(
-        "less on this helix than every fuzzy controller with default rules, even without noise, "
-        "and so on circle and waypoints; on fast-helix it leaves more than those without noise."
+        "On this helix that is less than the error of every fuzzy controller with default rules, "
+        "even without noise, and so it is on circle and waypoints; on fast-helix it is more than "
+        "theirs without noise."
     )
     assert "we chose the length of the run to fit it" in classical
 
