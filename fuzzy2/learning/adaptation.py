@@ -45,7 +45,7 @@ from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 
 
 class AdaptiveConsequents(Described):
-    r"""A fuzzy system whose consequents follow the samples that come in.
+    r"""A fuzzy system whose consequents adapt to incoming samples.
 
     Parameters
     ----------

@@ -332,7 +332,7 @@ class PID(PD):
 class ComputedTorque(_OfModel):
     r"""Computed torque (eq. 4.10–4.18).
 
-    The model makes the robot a unit mass, which a servo then steers.
+    The model turns the robot into a unit mass, which a servo then controls.
 
     .. math:: \tau = \alpha\, (\ddot a_d + k_v \dot e + k_p e) + \beta, \qquad
               \alpha = M(a), \quad \beta = C(a, \dot a)\, \dot a + G(a)

@@ -197,7 +197,7 @@ def _weight(name: str, values: ArrayLike, width: int, definite: bool = False) ->
 
 
 class LinearQuadraticRegulator(Described, SaysNothing):
-    r"""The forces of the desired motion and a regulator of one pose.
+    r"""Forces of the desired motion plus a regulator designed at one pose.
 
     It is the linear-quadratic regulator on the errors of position and speed.
 
@@ -283,7 +283,7 @@ class LinearQuadraticRegulator(Described, SaysNothing):
 
 
 class TimeVaryingLinearQuadraticRegulator(Described, SaysNothing):
-    r"""The forces of the desired motion and a regulator along it.
+    r"""Forces of the desired motion plus a regulator designed along it.
 
     It is the linear-quadratic regulator on the errors of position and speed.
 

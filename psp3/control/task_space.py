@@ -1,4 +1,4 @@
-r"""Computed torque in the coordinates of a frame, which stays bounded where the frame's map folds.
+r"""Computed torque in the coordinates of a frame, bounded near singularities.
 
 Where the smallest singular value :math:`\sigma` of the Jacobian vanishes, its inverse asks for
 infinite accelerations. For the tip of the 3-PSP this is the border of its reach, 23.9 mm from the
@@ -94,9 +94,9 @@ def damped_reciprocals(singular_values: ArrayLike, threshold: float) -> Array:
 
 
 class TaskSpaceComputedTorque(Described, SaysNothing):
-    r"""Computed torque on a frame.
+    r"""Computed torque in the coordinates of a frame.
 
-    The model makes the robot a unit mass in the coordinates of the task.
+    The model turns the robot into a unit mass in the coordinates of the task.
 
     .. math:: \tau = M \ddot a + C \dot a + G, \qquad
               \ddot a = J^\# \big( \ddot x_d + k_v \dot e + k_p e - \dot J \dot a \big), \qquad

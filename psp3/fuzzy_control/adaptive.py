@@ -78,7 +78,7 @@ _ROWS = ("positions", "speeds", "desired positions", "desired speeds", "desired 
 
 
 class AdaptiveFuzzyComputedTorque(Described):
-    r"""Fuzzy computed torque whose rules for M and G adapt to what the robot does.
+    r"""Fuzzy computed torque whose rules for M and G adapt while the robot moves.
 
     It takes the place of a trained controller.
 

@@ -56,11 +56,11 @@ def torque_width(interval: ArrayLike) -> Array:
 
 
 class Monitor(Described):
-    r"""An alarm on a signal that is greater than it was while everything was well.
+    r"""An alarm on a signal that exceeds its level in normal operation.
 
     The signal s passes a first-order low-pass filter, :math:`T \dot y = s - y`. The alarm comes on
     where y exceeds the threshold that was learned, and goes off where y falls below the threshold
-    less a share of it, so that it does not flutter.
+    less a share of it, so that it does not switch rapidly.
 
     Parameters
     ----------

@@ -75,7 +75,7 @@ class Reach(NamedTuple):
 
 
 class Workspace(Described):
-    """Where a robot's frame can go, and how well.
+    """The workspace of a robot's frame: which poses it reaches, and how well conditioned they are.
 
     Parameters
     ----------

@@ -40,7 +40,7 @@ class MuJoCo(Described):
     r"""A robot in MuJoCo, integrated with its classical Runge–Kutta steps.
 
     Closures, ends of joints and dry friction are MuJoCo's constraints: critically damped springs of
-    a time constant of two steps :math:`h`. What they give way vanishes with :math:`h^2`;
+    a time constant of two steps :math:`h`. Their violation falls with :math:`h^2`;
     ``docs/engines.md`` has numbers.
 
     Parameters

@@ -138,10 +138,10 @@ Value = str | int | float | None
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Run:
-    """Everything that decides a run.
+    """The settings that determine a run.
 
-    Making one checks nothing; :meth:`check` does, and :func:`psp3.study.execution.execute` before
-    it begins.
+    The constructor checks nothing; :meth:`check` does, and so does
+    :func:`psp3.study.execution.execute` before it begins.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Many runs, kept in a file: the way from one simulation to a statement with an interval.
+"""A study: many runs, kept in a file, whose statistics have confidence intervals.
 
 A study is a set of runs (:class:`~psp3.study.run.Run`) and a file. Runs that are in the file are
 not repeated, so the same lines begin a study, resume one that was stopped, however it was stopped,

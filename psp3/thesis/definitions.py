@@ -188,8 +188,8 @@ def _what_decides(numbers: dict[str, dict[str, Any]], plan: Plan, levels: str) -
         "Whether type-2 beats type-1 depends on what \u201cnoise of S dB\u201d is relative to, "
         "which the thesis does not say. If this package's rule chooses the mean variation, type-2 "
         f"is shown to be better at every level under {where}. Mean error of type-2 over that of "
-        f"type-1 at {levels} dB ({count(plan.seeds)} of the first, {plan.sweep_seeds} of the others), in "
-        f"brackets with the mean variation that suits best: {said}."
+        f"type-1 at {levels} dB ({count(plan.seeds)} of the first, {plan.sweep_seeds} of the "
+        f"others), in brackets with the mean variation that suits best: {said}."
     )
 
 

@@ -97,7 +97,7 @@ class Circle(Helix):
 
 
 class Hold(Trajectory):
-    """A robot that rests.
+    """A constant position: the robot rests.
 
     Parameters
     ----------
