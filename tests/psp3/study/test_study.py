@@ -40,7 +40,7 @@ from psp3.study.file import GROUP, Additions, StudyFile
 from psp3.study.keys import Runs
 from psp3.study.run import METRICS, Run, field_types
 from psp3.study.under_way import UnderWay
-from tests.processes import PROCESSES, answer_of, start
+from tests.processes import PATIENCE, PROCESSES, answer_of, start
 from tests.study_helpers import QUICK, count_rows, invented, run_and_tell, run_until
 
 ROOT = Path(__file__).parents[3]
@@ -550,12 +550,12 @@ def test_runs_under_way_when_interrupted_are_kept(
         begun.append(run.seed)
         if len(begun) == 2:
             second_has_begun.set()
-            interrupted.wait()
+            assert interrupted.wait(PATIENCE)
         return invented(run)
 
     def interrupt(done: int, total: int, rate: float) -> None:
         if done:
-            second_has_begun.wait()
+            assert second_has_begun.wait(PATIENCE)
             interrupted.set()
             raise KeyboardInterrupt
 
