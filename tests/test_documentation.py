@@ -89,11 +89,8 @@ html_static_path = [{str(ROOT / "docs" / "_static")!r}]
 
 
 def setup(app):
-    app.add_html_math_renderer(
-        "mathml",
-        (lambda translator, node: mathml(translator, node, as_block=False), None),
-        (lambda translator, node: mathml(translator, node, as_block=True), None),
-    )
+    app.connect("html-page-context", add_katex)
+    app.add_html_math_renderer("formula", (formula, None), (formula, None))
 """
     )
     pages = build(docs)
