@@ -15,6 +15,7 @@ from typing import Any
 from docutils import nodes
 from sphinx.addnodes import pending_xref
 from sphinx.application import Sphinx
+from sphinx.ext.autodoc.mock import mock
 from sphinx.transforms.post_transforms import SphinxPostTransform
 from sphinx.util.nodes import make_refnode
 
@@ -65,7 +66,8 @@ API, NOTEBOOKS = HERE / "api", HERE / "notebooks"
 def write_reference(app: Sphinx) -> None:
     """Write the pages of the reference before Sphinx looks for pages."""
     API.mkdir(exist_ok=True)
-    written = pages()
+    with mock(autodoc_mock_imports):
+        written = pages()
     for stale in {page.stem for page in API.glob("*.rst")} - set(written):
         (API / f"{stale}.rst").unlink()
     for name, text in written.items():

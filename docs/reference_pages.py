@@ -45,7 +45,7 @@ GROUPS = {
         "Dynamics",
         "Forward and inverse dynamics of closed chains, their derivatives, linearization, "
         "drives, identification of masses, and symbols for CasADi.",
-        ("psp3.dynamics", "psp3.drives", "psp3.identification", "psp3.symbolic"),
+        ("psp3.dynamics", "psp3.multibody", "psp3.drives", "psp3.identification", "psp3.symbolic"),
     ),
     "control": Group(
         "Control",
