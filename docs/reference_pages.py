@@ -207,13 +207,15 @@ def _sections(command: Any, path: str) -> Iterator[str]:
             yield from _sections(sub, whole)
             continue
         context = type(sub).context_class(sub, info_name=whole)
-        usage = " ".join(sub.collect_usage_pieces(context))
+        pieces = " ".join(sub.collect_usage_pieces(context))
+        usage = pieces.replace("[[", "[").replace("]]", "]")
         said = "\n\n".join(plain(part) for part in inspect.cleandoc(sub.help or "").split("\n\n"))
         yield f"{heading(whole, '-')}{said}\n\n.. code-block:: sh\n\n   {whole} {usage}\n\n"
         for parameter in sub.get_params(context):
             record = parameter.get_help_record(context)
-            if record is not None:
-                yield f"``{record[0]}``\n   {plain(record[1]) or '…'}\n\n"
+            if record is not None and parameter.name != "help":
+                name = re.sub(r" <\w+>$", "", record[0])
+                yield f"``{name}``\n   {plain(record[1]) or '…'}\n\n"
 
 
 def pages() -> dict[str, str]:
