@@ -68,8 +68,8 @@ Whole runs of 10 s in a study, learning included, on one core: {runs}.
 
 FUZZY = """## Type-2 inference
 
-The system has 4 inputs with 2 Gaussian terms each, 16 rules, 21 outputs, and center of sets. Other \
-libraries that could be imported solve the
+The system has 4 inputs with 2 Gaussian terms each, 16 rules, 21 outputs, and center of sets. \
+Other libraries that could be imported solve the
 same system, with equal outputs.
 
 {table}
