@@ -17,7 +17,7 @@ TEMPLATES = (
         for level in LEVELS
     ),
     "the version of this source is {version}",
-    "Badge: Python {python} or newer is required",
+    "Badge: Python {python} or newer is needed to run it",
     "You need Linux, Python {python} or newer, make and pip.",
     (
         "For the robots of the thesis, M, C v and G agree with MuJoCo's, projected on the loops, "

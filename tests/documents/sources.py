@@ -346,16 +346,15 @@ def _times() -> dict[str, dict[str, str]]:
 def _along_a_path() -> dict[str, str]:
     """Return the times of inverse dynamics in docs/benchmarks.md, and those over MuJoCo's."""
     text = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
-    section = text.partition("## Robots with loops in general")[2]
-    (names,) = re.findall(r"^\| \[µs\] \| (psp3 .*) \|$", section, flags=re.MULTILINE)
-    (times,) = re.findall(
-        r"^\| inverse_dynamics, from the pose before \| ((?:[\d.]+ \| ){5}[\d.]+) \|$",
+    section = text.partition("## Robots with loops in general")[2].partition("chains of")[0]
+    robots, times = re.findall(
+        r"^\| (?:\[µs\]|inverse_dynamics, from the pose before) \| (.*) \|$",
         section,
         flags=re.MULTILINE,
     )
     (of_mujoco,) = re.findall(r"`inverse_dynamics` takes ([\d.]+) ×", section)
     return {
-        **dict(zip(names.split(" | "), times.split(" | "), strict=True)),
+        **dict(zip(robots.split(" | "), times.split(" | "), strict=True)),
         "of MuJoCo": of_mujoco,
     }
 
