@@ -62,10 +62,10 @@ TEXT = """# How far to trust a 95 % interval
 *Written by `docs/make_intervals.py`; do not edit.*
 
 Errors of runs are skewed: most are small, some are large. A 95 % interval that was made for
-normal numbers, or for many numbers, contains the true value less often than it says. Every `Estimate` of
-`psp3.study.statistics` names what it estimates (`estimand`) and how its interval was found
-(`method`). The table says how often these intervals contained the true value in {sets} simulated sets of pairs like
-those of the study. Each share is uncertain by {error:.1f} %.
+normal numbers, or for many numbers, contains the true value less often than it says. Every
+`Estimate` of `psp3.study.statistics` names what it estimates (`estimand`) and how its interval was
+found (`method`). The table says how often these intervals contained the true value in {sets}
+simulated sets of pairs like those of the study. Each share is uncertain by {error:.1f} %.
 
 {table}
 
