@@ -13,9 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from docutils import nodes
-from sphinx.addnodes import pending_xref
+from sphinx.addnodes import index, pending_xref
 from sphinx.application import Sphinx
 from sphinx.ext.autodoc.mock import mock
+from sphinx.transforms import SphinxTransform
 from sphinx.transforms.post_transforms import SphinxPostTransform
 from sphinx.util.nodes import make_refnode
 
@@ -88,6 +89,46 @@ def copy_notebooks(app: Sphinx) -> None:
         copy = NOTEBOOKS / name
         if not copy.exists() or copy.read_bytes() != original.read_bytes():
             copy.write_bytes(original.read_bytes())
+
+
+SEARCHED = {
+    "robot_files": ("URDF", "MJCF", "SDF", "SRDF", "robot files", "mimic"),
+    "how_to/any_robot": (
+        "closed chains",
+        "closed loops",
+        "parallel robots",
+        "Stewart platform",
+        "Gough–Stewart platform",
+        "hexapod",
+        "Delta robot",
+        "five-bar linkage",
+    ),
+    "how_to/constrained_inverse_dynamics": ("inverse dynamics of closed chains",),
+    "how_to/export": ("C code", "code generation", "microcontroller", "C99"),
+    "how_to/fmu": ("FMU", "FMI", "Simulink", "co-simulation"),
+    "how_to/anfis": ("ANFIS",),
+    "how_to/files": ("fis file", "FML", "fuzzy files"),
+    "how_to/studies": ("confidence intervals",),
+    "how_to/optimal_control": ("CasADi", "trajectory optimization"),
+    "how_to/collisions_and_task_space": ("collisions", "task space"),
+    "coming_from/matlab": ("MATLAB", "Fuzzy Logic Toolbox"),
+    "api/command_line": ("command line", "CLI"),
+}
+"""Words that people search for, with the page that should come first."""
+
+
+class WordsOfSearch(SphinxTransform):
+    """Put the words of :data:`SEARCHED` into the index of their page, which the search prefers."""
+
+    default_priority = 500
+
+    def apply(self, **kwargs: Any) -> None:
+        """Add one index node with all words, which leads to the beginning of the page."""
+        words = SEARCHED.get(self.env.docname, ())
+        if words:
+            target = nodes.target("", "", ids=["searched"])
+            entries = [("single", word, "searched", "", None) for word in words]
+            self.document.insert(0, [index(entries=entries, inline=False), target])
 
 
 class LinkNames(SphinxPostTransform):
@@ -198,6 +239,7 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.connect("builder-inited", write_reference)
     app.connect("builder-inited", copy_notebooks)
     app.connect("html-page-context", add_katex)
+    app.add_transform(WordsOfSearch)
     app.add_post_transform(LinkNames)
     app.add_html_math_renderer("formula", (formula, None), (formula, None))
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -17,6 +17,7 @@ from selenium import webdriver
 import fuzzy2
 import psp3
 from psp3.cli.entry import app
+from tests.page_helpers import wait_for
 
 pytestmark = [
     pytest.mark.slow,
@@ -209,3 +210,26 @@ def test_every_equation_can_be_drawn(browser: webdriver.Chrome, shown: Path, who
     assert len(equations) > 300
     browser.get((shown / "index.html").as_uri())
     assert browser.execute_script(UNDRAWN, sorted(equations)) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "page"),
+    [
+        ("urdf", "robot_files"),
+        ("stewart platform", "how_to/any_robot"),
+        ("delta robot", "how_to/any_robot"),
+        ("inverse dynamics of closed chains", "how_to/constrained_inverse_dynamics"),
+        ("c code", "how_to/export"),
+        ("fmu", "how_to/fmu"),
+        ("anfis", "how_to/anfis"),
+        ("matlab", "coming_from/matlab"),
+    ],
+)
+def test_search_finds_the_page_first(
+    browser: webdriver.Chrome, whole: Path, words: str, page: str
+) -> None:
+    """The search of the built pages, as a reader uses it."""
+    browser.get((whole / "search.html").as_uri() + f"?q={words.replace(' ', '+')}")
+    wait_for(browser, "document.querySelector('#search-results li a')")
+    first = browser.execute_script("return document.querySelector('#search-results li a').href")
+    assert f"/{page}.html" in first

@@ -16,6 +16,7 @@ TEMPLATES = (
         )
         for level in LEVELS
     ),
+    "the license is {license}",
     "the version of this source is {version}",
     "Badge: Python {python} or newer is needed to run it",
     "You need Linux, Python {python} or newer, make and pip.",
@@ -49,7 +50,7 @@ TEMPLATES = (
         "α-planes} µs (general type-2 with five α-planes):"
     ),
     "Bars of the error of {board/entries} controllers on three robots",
-    "ranks your way to learn a robot's dynamics among {board/entries} others.",
+    "ranks your way to learn a robot's dynamics among {board/entries} others,",
     (
         "has {board/learner/times} times the error of the best that knows the model (95 % "
         "interval {board/learner/low} to {board/learner/high}):"

@@ -158,8 +158,8 @@ def comparisons(sources: Mapping[str, Any]) -> list[tuple[str, bool]]:
             and all(found != sorted(found, reverse=True) for found in (ratios, strict)),
         ),
         (
-            "95 % interval includes one at 15 and 10 dB in the first row and at 10 dB in the row "
-            "of G; that of geometric means never does",
+            "95 % interval of that number includes one at 15 and 10 dB in the first row and at 10 "
+            "dB in the row of G; that of geometric means never does",
             reached == {"ours": ["15", "10"], "on G": ["10"]}
             and all(
                 entry["best_ratio_of_geometric_means"]["high"] < 1.0

@@ -66,6 +66,7 @@ def sources(outcome: Reproduction, numbers: Mapping[str, Any], runs: list[Row]) 
         "verdict": {"reproduced": REPRODUCED, "same order": SAME_ORDER},
         "python": project["requires-python"].removeprefix(">="),
         "version": project["version"],
+        "license": project["license"],
     }
 
 
