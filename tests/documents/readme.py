@@ -21,8 +21,9 @@ TEMPLATES = (
     "Badge: Python {python} or newer is needed to run it",
     "You need Linux, Python {python} or newer, make and pip.",
     (
-        "For the robots of the thesis, M, C v and G agree with MuJoCo's, projected on the loops, "
-        "to {bars/mujoco} of the largest entry in {bars/mujoco states} random states."
+        "For the robots of the thesis the mass matrix, the velocity forces and gravity agree with "
+        "those of MuJoCo, projected on the loops, to {bars/mujoco} of the largest entry in "
+        "{bars/mujoco states} random states."
     ),
     (
         "Type-2 is better under {derived/better under} of {derived/definitions} definitions of "
