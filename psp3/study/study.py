@@ -155,12 +155,14 @@ class Study(Described):
             ):
                 with interrupts.obeyed_at_once():
                     places = self.runs.missing(additions.keys)
-                session = _Session(additions, under_way, len(self.runs), len(places), progress)
+                session = _Session(
+                    additions, under_way, len(self.runs), len(places), progress, interrupts
+                )
                 session.report()
                 if len(places):
                     missing = map(self.runs.__getitem__, places)
                     with _workers(workers, scheduler, interrupts) as (executor, count_workers):
-                        session.work(missing, executor, count_workers, interrupts)
+                        session.work(missing, executor, count_workers)
         except KeyboardInterrupt:
             done = 0 if session is None else session.done
             raise StudyInterrupted(self.path, done, len(self.runs)) from None
@@ -306,10 +308,12 @@ class _Session:
         total: int,
         wanted: int,
         progress: Progress | None,
+        interrupts: Interrupts,
     ) -> None:
         self.total = total
         self.failures: dict[Run, BaseException] = {}
         self._additions, self._under_way, self._progress = additions, under_way, progress
+        self._interrupts = interrupts
         self._there_before, self._in_file_before = total - wanted, additions.committed
         self._start = time.monotonic()
 
@@ -322,21 +326,21 @@ class _Session:
     def report(self) -> None:
         if self._progress is not None:
             now = self.done - self._there_before
-            self._progress(
-                self.done, self.total, now / (time.monotonic() - self._start) if now else 0.0
-            )
+            rate = now / (time.monotonic() - self._start) if now else 0.0
+            # What others do with it may take long, or wait for somebody.
+            with self._interrupts.obeyed_at_once():
+                self._progress(self.done, self.total, rate)
 
     def work(
         self,
         missing: Iterator[Run],
         executor: Executor,
         count_workers: Callable[[], int],
-        interrupts: Interrupts,
     ) -> None:
         """Hand out runs and keep their results until none are left, or too many failed."""
         try:
             while True:
-                with interrupts.obeyed_at_once():
+                with self._interrupts.obeyed_at_once():
                     workers = max(1, count_workers())
                 room = (
                     HANDED_OUT * workers - len(self._under_way)

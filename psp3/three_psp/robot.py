@@ -126,9 +126,11 @@ class PSP3(ClosedLoopRobot):
         )
 
     def _load_kernels(self) -> None:
-        from psp3.three_psp import closed_form, many_states
+        """Take the closed form: the compiled one, as soon as more than a few calls are to come."""
+        from psp3.three_psp import many_states
+        from psp3.three_psp.few_states import KernelsOnDemand
 
-        self._kernels = closed_form
+        self._kernels: Any = KernelsOnDemand(self)
         self._of_many = many_states.first_refused_row
 
     def __getstate__(self) -> dict[str, Any]:

@@ -196,9 +196,9 @@ def test_command_prints_the_tables_and_the_files(command: Command, quick: Job) -
     assert len(steps) == quick.steps[-1][2]
 
 
-def test_results_table_of_the_readme_is_that_of_the_job(quick: Job) -> None:
+def test_results_table_of_the_documentation_is_that_of_the_job(quick: Job) -> None:
     """To its four decimals."""
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "results.md").read_text(encoding="utf-8")
     numbers = quick.numbers["table_6_3"]
     for name in ("PD", "CTC"):
         (row,) = re.findall(rf"\| {name} \| ([\d.]+) \| ([\d.]+) \|", text)
