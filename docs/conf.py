@@ -5,8 +5,10 @@ Run by ``make docs``, or ``sphinx-build -W docs results/docs``. No network is ne
 
 from __future__ import annotations
 
+import base64
 import html
 import importlib
+import json
 import re
 import sys
 from pathlib import Path
@@ -86,9 +88,24 @@ def copy_notebooks(app: Sphinx) -> None:
     for stale in {copy.name for copy in NOTEBOOKS.glob("*.ipynb")} - set(originals):
         (NOTEBOOKS / stale).unlink()
     for name, original in originals.items():
-        copy = NOTEBOOKS / name
-        if not copy.exists() or copy.read_bytes() != original.read_bytes():
-            copy.write_bytes(original.read_bytes())
+        copy, content = NOTEBOOKS / name, with_pictures_beside(original)
+        if not copy.exists() or copy.read_text(encoding="utf-8") != content:
+            copy.write_text(content, encoding="utf-8")
+
+
+def with_pictures_beside(original: Path) -> str:
+    """Return a notebook whose attached pictures are files: attachments MyST-NB does not know."""
+    notebook = json.loads(original.read_text(encoding="utf-8"))
+    for cell in notebook["cells"]:
+        for picture, content in cell.pop("attachments", {}).items():
+            file = NOTEBOOKS / f"{original.stem}_{picture}"
+            data = base64.b64decode(content["image/png"])
+            if not file.exists() or file.read_bytes() != data:
+                file.write_bytes(data)
+            cell["source"] = [
+                line.replace(f"attachment:{picture}", file.name) for line in cell["source"]
+            ]
+    return json.dumps(notebook, ensure_ascii=False, indent=1) + "\n"
 
 
 SEARCHED = {

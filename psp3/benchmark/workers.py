@@ -1,4 +1,4 @@
-"""Who does trials: processes of this machine, or the workers of a dask cluster."""
+"""Workers that run trials: processes of this machine, or of a dask cluster."""
 
 from __future__ import annotations
 

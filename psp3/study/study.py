@@ -1,4 +1,4 @@
-"""Many runs, kept in a file: the way from one simulation to a statement with an interval.
+"""A study: many runs, kept in a file, whose statistics have confidence intervals.
 
 A study is a set of runs (:class:`~psp3.study.run.Run`) and a file. Runs that are in the file are
 not repeated, so the same lines begin a study, resume one that was stopped, however it was stopped,
@@ -28,7 +28,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import Any
 
+from fuzzy2.support.described import Described
 from fuzzy2.support.one_thread import one_thread
 from fuzzy2.support.text_files import written_whole
 from psp3.checks import checked_count, checked_function, checked_kind, checked_path
@@ -56,7 +58,7 @@ LOOK_UP = 5.0
 Progress = Callable[[int, int, float], None]
 
 
-class Study:
+class Study(Described):
     """A set of runs whose results are kept in a file.
 
     Parameters
@@ -86,6 +88,13 @@ class Study:
         self.runs = None if runs is None else Runs(runs)
         self._file = StudyFile(path, None if self.runs is None else self.runs.shared)
         self.path = self._file.path
+
+    def _facts(self) -> dict[str, Any]:
+        # How many are done only the file knows, which is not read for this.
+        return {
+            "file": self.path.name if self.path.exists() else f"{self.path.name}, not made yet",
+            "runs": "those of the file" if self.runs is None else len(self.runs),
+        }
 
     def run(
         self,
