@@ -1,4 +1,4 @@
-"""A first closed configuration, for a robot whose file leaves its loops a little open."""
+"""Find a first closed configuration of a robot whose file leaves its loops slightly open."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rule bases of M, C and G: which there are of a robot, how they are learned, and as one table."""
+"""Rule bases of M, C and G: which ones a robot has, how they are learned, and as one table."""
 
 from __future__ import annotations
 

@@ -91,10 +91,9 @@ class Pose:
 class PSP3(ClosedLoopRobot):
     """The 3-PSP robot in closed form; get one from :func:`psp3.load`.
 
-    Every method takes leading batch dimensions, and any heights whose three arm lengths come out
-    positive. The stroke of the screws, ``stroke``, is the business of trajectories and of the
-    simulation. Another robot has other ``parameters``; changes of ``model``, of gravity too, come
-    too late.
+    Every method takes leading batch dimensions, and any heights at which the three arm lengths are
+    positive. Trajectories and the simulation check the stroke of the screws, ``stroke``. Other
+    ``parameters`` need another robot: later changes of ``model``, of gravity too, have no effect.
 
     Parameters
     ----------
