@@ -6,7 +6,7 @@
 #   make fuzz        try 50 000 changed files on all readers: a quarter of an hour of a core
 #   make endings     end studies, benchmarks and saves at 400 moments by chance: ten minutes
 #   make memory      look for leaks in ten million calls and a thousand loads: hours
-#   make export-states  compare robots in C with Python in 10,000 states each
+#   make export-states  compare robots and controllers in C with Python in 10,000 states each
 #   make lint        check style and types
 #   make bench       measure speed
 #   make docs        build the documentation: results/docs/index.html
@@ -70,11 +70,11 @@ memory: $(VENV)/.compiled $(VENV)/.dev
 	@echo "Calling ten million times, and loading a thousand times (hours)"
 	@$(BIN)/python -m tests.endurance.memory
 
-# The tests that 'make test' runs with a thousand states.
+# The tests that 'make test' runs with 500 states, and with the sanitizers in double precision alone.
 export-states: $(VENV)/.compiled $(VENV)/.dev
-	@echo "Comparing robots in C with Python in 10,000 states (ten minutes)"
+	@echo "Comparing robots and controllers in C with Python in 10,000 states (half an hour)"
 	@EXPORT_STATES=10000 $(BIN)/python -m pytest --numprocesses=logical --dist=load \
-		-k test_every_number_is_the_same tests/psp3/export/test_robots.py tests/psp3/export/test_closed_form.py
+		-k "test_every or sanitizers" $(addprefix tests/psp3/export/test_,robots.py closed_form.py controllers.py)
 
 lint: $(VENV)/.dev
 	@echo "Checking style (ruff), types (mypy) and the order of imports (import-linter)"
