@@ -1,5 +1,6 @@
 # Set-up and jobs of psp3. On a machine with Python 3.11 or newer, make and pip:
 #
+#   make view        install, and show a machine that moves in the browser
 #   make reproduce   install, and run the main job
 #   make test        install what the tests need, and run them
 #   make test-quick  run those that take no time: for working
@@ -9,6 +10,7 @@
 #   make export-states  compare robots and controllers in C with Python in 10,000 states each
 #   make lint        check style and types
 #   make bench       measure speed
+#   make release-check  build wheel and source distribution, and try them on every Python there is
 #   make docs        build the documentation: results/docs/index.html
 #   make pictures    draw the pictures of the README and the documentation anew
 #   make lock        choose the versions of everything anew: requirements/
@@ -39,10 +41,14 @@ KERNELS := $(shell grep -rl --include='*.py' 'support\.compiled' psp3 fuzzy2) $(
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .SUFFIXES:
-.PHONY: help reproduce test test-quick fuzz endings memory export-states lint bench docs pictures lock clean
+.PHONY: help view reproduce test test-quick fuzz endings memory export-states lint bench release-check docs pictures lock clean
 
 help:
 	@sed -n 's/^#   make/  make/p' Makefile
+
+# What is shown is compiled when it is first needed; all kernels together would take minutes.
+view: $(VENV)/.run
+	@$(BIN)/psp3 view
 
 reproduce: $(VENV)/.compiled
 	@echo "Running the main job: psp3 reproduce"
@@ -87,6 +93,11 @@ bench: $(VENV)/.compiled $(VENV)/.dev
 	@echo "Measuring speed"
 	@set -e; for benchmark in benchmarks/bench_*.py; do $(BIN)/python "$$benchmark"; done
 
+# UNRELEASED=1 while the changelog has no section for the version yet.
+release-check: $(VENV)/.dev
+	@echo "Building wheel and source distribution, and trying them"
+	@$(BIN)/python -m tests.release $(if $(UNRELEASED),--unreleased)
+
 docs: $(VENV)/.dev
 	@echo "Building the documentation"
 	@$(BIN)/sphinx-build -W --keep-going --quiet -b html -d build/doctrees docs results/docs
@@ -94,7 +105,7 @@ docs: $(VENV)/.dev
 
 pictures: $(VENV)/.compiled $(VENV)/.dev
 	@echo "Drawing the pictures"
-	@set -e; for script in docs/pictures/make_*.py; do $(BIN)/python "$$script"; done
+	@set -e; for script in docs/pictures/make_*.py docs/play/make_*.py; do $(BIN)/python "$$script"; done
 
 # The tests' versions are those of what psp3 runs on, where both have a package.
 lock: $(VENV)/.dev
