@@ -5,6 +5,7 @@
 #   make test-quick  run those that take no time: for working
 #   make fuzz        try 50 000 changed files on all readers: a quarter of an hour of a core
 #   make export-states  compare robots in C with Python in 10,000 states each
+#   make misuse      call everything public with every wrong argument
 #   make lint        check style and types
 #   make bench       measure speed
 #   make docs        build the documentation: results/docs/index.html
@@ -37,7 +38,7 @@ KERNELS := $(shell grep -rl --include='*.py' 'support\.compiled' psp3 fuzzy2) $(
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .SUFFIXES:
-.PHONY: help reproduce test test-quick fuzz export-states lint bench docs pictures lock clean
+.PHONY: help reproduce test test-quick fuzz export-states misuse lint bench docs pictures lock clean
 
 help:
 	@sed -n 's/^#   make/  make/p' Makefile
@@ -63,6 +64,11 @@ export-states: $(VENV)/.compiled $(VENV)/.dev
 	@echo "Comparing robots in C with Python in 10,000 states (ten minutes)"
 	@EXPORT_STATES=10000 $(BIN)/python -m pytest --numprocesses=logical --dist=load \
 		-k test_every_number_is_the_same tests/psp3/export/test_robots.py tests/psp3/export/test_closed_form.py
+
+# The tests that 'make test' runs with one of eight wrong arguments.
+misuse: $(VENV)/.compiled $(VENV)/.dev
+	@echo "Calling everything public with every wrong argument (some minutes)"
+	@MISUSE=all $(BIN)/python -m pytest --numprocesses=logical --dist=loadfile tests/cross/test_misuse_of_*.py
 
 lint: $(VENV)/.dev
 	@echo "Checking style (ruff), types (mypy) and the order of imports (import-linter)"

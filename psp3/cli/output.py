@@ -322,11 +322,28 @@ def as_options(text: str) -> str:
     return text
 
 
+def _refused_by_type(error: Exception, text: str) -> str:
+    """Return the value that typer refused and does not repeat, as it came from the command line.
+
+    In newer ones words of wrong types and ranges are those of pydantic, whose error has the value.
+    """
+    refused = getattr(error.__cause__, "errors", list)()
+    values = [repr(one["input"]) for one in refused if isinstance(one, dict) and "input" in one]
+    return f", got {values[0]}" if values and values[0] not in text else ""
+
+
 def error_message(error: Exception) -> str | None:
-    """Return what a person needs to read of an error, in one line.
+    """Return what a person needs to read of an error, in one line that is not too long.
 
     None if it is none that a person made.
     """
+    from fuzzy2.support.bounded_files import shortened
+
+    text = _words_of(error)
+    return None if text is None else " ".join(shortened(text).split())
+
+
+def _words_of(error: Exception) -> str | None:
     if hasattr(error, "format_message"):
         context = getattr(error, "ctx", None)
         command = "psp3" if context is None else context.command_path
@@ -338,13 +355,13 @@ def error_message(error: Exception) -> str | None:
             .replace("Value error, ", "")
             .rstrip(".")
         )
-        return f"{command}: {' '.join(text.split())} (see {command} --help)"
+        return f"{command}: {text}{_refused_by_type(error, text)} (see {command} --help)"
     if isinstance(error, MemoryError):
         return "psp3: this takes more memory than there is; ask for less time or fewer samples"
     from fuzzy2.errors import RaisedOnPurpose
 
     if isinstance(error, RaisedOnPurpose):
-        return f"psp3: {as_options(' '.join(str(error).split()))}"
+        return f"psp3: {as_options(str(error))}"
     if isinstance(error, OSError):
         reason = error.strerror or str(error)
         return (

@@ -31,7 +31,7 @@ from pathlib import Path
 
 from fuzzy2.support.one_thread import one_thread
 from fuzzy2.support.text_files import written_whole
-from psp3.checks import checked_count, checked_function, checked_kind, checked_path
+from psp3.checks import checked_count, checked_function, checked_path
 from psp3.errors import InvalidValue, RunsFailed, SchedulerUnavailable, StudyInterrupted
 from psp3.study import cluster
 from psp3.study.execution import execute
@@ -126,8 +126,6 @@ class Study:
             After Ctrl-C, at whatever moment; a :class:`KeyboardInterrupt`. Runs that have begun
             are finished and kept.
         """
-        if scheduler is not None:
-            checked_kind("scheduler", scheduler, str, "an address, tcp://host:port")
         if progress is not None:
             checked_function("progress", progress)
         _check_workers(workers, scheduler)
@@ -267,12 +265,12 @@ def _threads(workers: int | None) -> Iterator[tuple[Executor, Callable[[], int]]
 
 
 def _check_workers(workers: int | None, scheduler: str | None) -> None:
-    if workers is not None and (
-        isinstance(workers, bool) or not isinstance(workers, int) or workers < 1
-    ):
-        raise InvalidValue("workers", workers, "a positive integer")
+    if workers is not None:
+        checked_count("workers", workers)
     if workers is not None and scheduler is not None:
         raise InvalidValue("workers", workers, "left out where a scheduler has its own")
+    if scheduler is not None:
+        cluster.host_and_port(scheduler)
 
 
 @contextmanager
