@@ -122,9 +122,8 @@ $(VENV)/.dev: $(VENV)/.run requirements/dev.txt
 	@$(LOCKED) requirements/dev.txt
 	@touch $@
 
-# Code of before is not used (fuzzy2/support/code_files.py), but would stay on the disk.
+# Into the cache folder of the user (fuzzy2/support/code_folder.py); code of before is removed there.
 $(VENV)/.compiled: $(VENV)/.run $(KERNELS)
 	@echo "Compiling the numerical kernels"
-	@find psp3 fuzzy2 \( -name '*.nbi' -o -name '*.nbc' \) -delete
 	@$(BIN)/python -m psp3.warm_up
 	@touch $@

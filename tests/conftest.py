@@ -16,10 +16,18 @@ from selenium.webdriver.chrome.service import Service
 
 # The first call of a compiled kernel takes up to seconds on a fresh machine, and a busy machine is
 # slow in making examples too. Neither is a property of the example at hand.
+# Examples are the same in every run, so that a run fails for what has changed; the thorough profile
+# looks for new ones.
 settings.register_profile(
-    "working", deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True
+    "working",
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow],
+    print_blob=True,
+    derandomize=True,
 )
-settings.register_profile("thorough", settings.get_profile("working"), max_examples=300)
+settings.register_profile(
+    "thorough", settings.get_profile("working"), max_examples=300, derandomize=False
+)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "working"))
 
 # Workers of pytest-xdist share the cores; threads of BLAS on top take time from one another, and

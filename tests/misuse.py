@@ -32,7 +32,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fuzzy2.errors import RaisedOnPurpose
+from fuzzy2.errors import RaisedOnPurpose, in_words
 
 LONGEST_MESSAGE = 3000
 """More than this is no message but a listing [characters]."""
@@ -102,9 +102,9 @@ def mistakes(good: Any) -> Iterator[tuple[str, Any]]:
 
 def _wrong_entries(array: np.ndarray[Any, Any]) -> Iterator[tuple[str, Any]]:
     """Yield arrays of the right shape with one wrong entry, or all of a wrong kind."""
-    for name, value in (("NaN entry", math.nan), ("infinite entry", math.inf)):
+    for name, number in (("NaN entry", math.nan), ("infinite entry", math.inf)):
         wrong = array.copy()
-        wrong.flat[-1] = value
+        wrong.flat[-1] = number
         yield name, wrong
     for name, value in (
         ("None entry", None),
@@ -371,7 +371,7 @@ def _fault_of_message(error: BaseException) -> str:
 
 
 def _shown(numbers: list[np.ndarray[Any, Any]]) -> str:
-    return " ".join(str([array.tolist() for array in numbers])[:100].split())
+    return in_words([array.tolist() for array in numbers])[:100]
 
 
 def _kept(value: Any) -> Any:

@@ -7,11 +7,15 @@ killed.
 
 However the tests were started, signals are at their defaults. Shells let jobs in the background
 ignore interrupts, and these ignore them for what they start.
+
+None of them lives for ever: after :data:`PATIENCE` it says where it is, and ends. So does whoever
+waits for it, since its pipes are closed then.
 """
 
 from __future__ import annotations
 
 import contextlib
+import faulthandler
 import multiprocessing
 import os
 import signal
@@ -27,6 +31,9 @@ import pytest
 
 PROCESSES = multiprocessing.get_context("forkserver")
 PROCESSES.set_forkserver_preload(["tests.prepared"])
+
+PATIENCE = 900.0
+"""How long a process of the tests lives, and is waited for [s]: so busy is no machine."""
 
 ROOT = Path(__file__).resolve().parents[1]
 ENVIRONMENT = {
@@ -54,6 +61,8 @@ def heed_signals() -> None:
 
 def _call(function: Callable[..., object], arguments: tuple[object, ...]) -> None:
     heed_signals()
+    # In a thread of C, which locks of Python do not hold up.
+    faulthandler.dump_traceback_later(PATIENCE, exit=True, file=2)
     function(*arguments)
 
 
@@ -65,8 +74,9 @@ def start(function: Callable[..., object], *arguments: object) -> BaseProcess:
 
 
 def answer_of(process: BaseProcess, answers: Connection) -> Any:
-    """Return what a process sends; fail if it ends without."""
-    wait([answers, process.sentinel])
+    """Return what a process sends; fail if it ends without, or sends nothing."""
+    if not wait([answers, process.sentinel], PATIENCE):
+        process.kill()
     if answers.poll():
         with contextlib.suppress(EOFError):
             return answers.recv()

@@ -45,8 +45,8 @@ def export_c(
     """Write a fuzzy system as one self-contained .c and .h file of C99.
 
     The code is translated from the kernels that evaluate the system here, and gives the same
-    numbers in double precision. It takes no memory from the heap, does not call itself, writes to
-    no global variables and needs nothing but ``math.h``.
+    numbers in double precision. It allocates no memory, is not recursive, writes to no global
+    variables and needs only ``math.h``.
 
     Parameters
     ----------

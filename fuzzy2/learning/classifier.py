@@ -49,7 +49,7 @@ _LIMITS = (-1.5, -0.5, 0.5, 1.5)  # in standard deviations from the mean
 
 
 class FuzzyClassifier(Estimator):
-    r"""Classifier of fuzzy rules that can be read, with scikit-learn's conventions.
+    r"""Classifier with readable fuzzy rules, and scikit-learn's conventions.
 
     Parameters
     ----------

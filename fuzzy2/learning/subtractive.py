@@ -59,7 +59,7 @@ def subtractive_clustering(
     *,
     sample_weight: ArrayLike | None = None,
 ) -> SubtractiveClusters:
-    r"""Return the clusters of samples, as many as there are of a width (Chiu 1994).
+    r"""Return clusters of samples; their number follows from a width (Chiu 1994).
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ from fuzzy2.systems.system import FuzzySystem
 
 
 def view(thing: Any, axes: Sequence[Axes] | Axes | None = None) -> Panels:
-    """Draw something: what ``thing.view()`` does, too.
+    """Draw a set, a system or a learner, as ``thing.view()`` does.
 
     Parameters
     ----------

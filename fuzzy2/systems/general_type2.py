@@ -191,7 +191,8 @@ class GeneralType2System(FuzzySystem):
         Returns
         -------
         (..., m, L, 2) ndarray
-            Ends of the cuts at ``alphas``; NaN where no rule fires.
+            Ends of the cuts at ``alphas``; NaN on planes where no rule fires. An output with a
+            default is that on all planes where one of them is so.
 
         Raises
         ------
@@ -211,7 +212,10 @@ class GeneralType2System(FuzzySystem):
             )
         cuts = planes.swapaxes(1, 2)
         if self.default_outputs is not None:
-            cuts = np.where(np.isnan(cuts), self.default_outputs[:, np.newaxis, np.newaxis], cuts)
+            # Where some plane has no answer, the output has none, and is the default on all planes.
+            silent = np.isnan(cuts).any(axis=(-2, -1), keepdims=True)
+            defaults = self.default_outputs[:, np.newaxis, np.newaxis]
+            cuts = np.where(silent & ~np.isnan(defaults), defaults, cuts)
         return cuts.reshape(*shape, self.n_outputs, self.levels, 2)
 
     def _prepared_outputs(self) -> Any:

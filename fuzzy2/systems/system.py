@@ -101,10 +101,10 @@ from fuzzy2.systems.terms import range_of
 
 
 class FuzzySystem(Shown):
-    """What the three kinds of systems share.
+    """Base of the three kinds of systems.
 
-    Use :class:`Type1System`, :class:`IntervalType2System` or :class:`GeneralType2System`. A system
-    does not change: its arrays are read-only, and :meth:`replace` makes another one.
+    Use :class:`Type1System`, :class:`IntervalType2System` or :class:`GeneralType2System`. Systems
+    are immutable: their arrays are read-only, and :meth:`replace` returns another system.
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ from psp3.errors import (
     WorkersLost,
 )
 from psp3.study import cluster
-from psp3.study.interrupts import noted_interrupts
+from psp3.study.interrupts import Interrupts, noted_interrupts
 
 ALL = "all"
 """Stands for all entries that come with the package."""
@@ -216,16 +216,18 @@ class Benchmark:
                     name for name, outcome in file.outcomes().items() if outcome["error"] is None
                 }
                 missing = {name: work for name, work in wanted.items() if name not in there}
-                session = _Session(file, len(wanted), len(wanted) - len(missing), progress)
+                there_before = len(wanted) - len(missing)
+                session = _Session(file, len(wanted), there_before, progress, interrupts)
                 session.report()
                 if scheduler is None and count == 1:
                     for name, work in missing.items():
                         with interrupts.obeyed_at_once():
                             outcome = execute(*work)
                         session.keep(name, outcome)
+                        session.report()
                 elif missing:
                     with _workers(count, scheduler) as pool:
-                        done_by(*pool, missing, session.keep)
+                        done_by(*pool, missing, session.keep, session.report)
         except KeyboardInterrupt:
             done, total = (session.done, session.total) if session else (0, len(self._wanted()))
             raise StudyInterrupted(path, done, total) from None
@@ -285,18 +287,25 @@ class _Session:
     """One call of :meth:`Benchmark.run`: what is done, and how fast."""
 
     def __init__(
-        self, file: OutcomeFile, total: int, there: int, progress: Progress | None
+        self,
+        file: OutcomeFile,
+        total: int,
+        there: int,
+        progress: Progress | None,
+        interrupts: Interrupts,
     ) -> None:
         self.total, self.done = total, there
         self._file, self._there, self._progress = file, there, progress
+        self._interrupts = interrupts
         self._start = time.monotonic()
 
     def keep(self, name: str, outcome: Outcome) -> None:
         self._file.add(name, outcome)
         self.done += 1
-        self.report()
 
     def report(self) -> None:
         if self._progress is not None:
             now, passed = self.done - self._there, time.monotonic() - self._start
-            self._progress(self.done, self.total, now / passed if now else 0.0)
+            # What others do with it may take long, or wait for somebody.
+            with self._interrupts.obeyed_at_once():
+                self._progress(self.done, self.total, now / passed if now else 0.0)

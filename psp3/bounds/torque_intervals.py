@@ -19,7 +19,7 @@ SCALES = ("interval", "constant")
 
 
 class ConformalIntervals:
-    r"""Intervals about the middles of given ones that hold a stated share of torques.
+    r"""Intervals that contain a stated share of torques, about the middles of given ones.
 
     .. math:: \Big[ m - r, m + r \Big], \qquad m = \tfrac12 (\underline\tau + \overline\tau), \quad
               r = q\, \tfrac12 (\overline\tau - \underline\tau) \text{ or } r = q

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
@@ -168,32 +168,28 @@ def output_file(text: str) -> Path:
     return path
 
 
-def page_output(text: str) -> Path:
-    """Refuse a page whose name no browser would open."""
-    if Path(text).suffix.lower() not in (".html", ".htm"):
-        raise typer.BadParameter(f"{text}: the name of a page must end in .html")
-    return output_file(text)
+def output_named(what: str, *endings: str) -> Callable[[str], Path]:
+    """Return how the name of an output is read, which must end as its programs expect."""
+
+    def output(text: str) -> Path:
+        if Path(text).suffix.lower() not in endings:
+            raise typer.BadParameter(f"{text}: the name of {what} must end in {', '.join(endings)}")
+        return output_file(text)
+
+    return output
 
 
-def fmu_output(text: str) -> Path:
-    """Refuse an FMU whose name no program would open."""
-    if Path(text).suffix.lower() != ".fmu":
-        raise typer.BadParameter(f"{text}: the name of an FMU must end in .fmu")
-    return output_file(text)
+page_output = output_named("a page", ".html", ".htm")
+fmu_output = output_named("an FMU", ".fmu")
+figure_output = output_named("a figure", *FIGURE_FORMATS)
+result_output = output_named("a result", ".npz")
+controller_output = output_named("a controller", ".json")
+table_output = output_named("a table", ".csv")
 
 
 def csv_output(text: str) -> Path:
     """Return a file to write samples to, or the sign of standard output."""
-    return Path("-") if text == "-" else output_file(text)
-
-
-def figure_output(text: str) -> Path:
-    """Refuse a figure in a format that is not drawn."""
-    if Path(text).suffix.lower() not in FIGURE_FORMATS:
-        raise typer.BadParameter(
-            f"{text}: the name of a figure must end in {', '.join(FIGURE_FORMATS)}"
-        )
-    return output_file(text)
+    return Path("-") if text == "-" else table_output(text)
 
 
 Model = Annotated[

@@ -1,4 +1,4 @@
-"""Limits of the joints that no motor drives: what the loops may ask of them."""
+"""Limits of the joints that no motor drives."""
 
 from __future__ import annotations
 

@@ -21,6 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fuzzy2.support.described import Described
 from psp3.checks import (
     Array,
     as_floats,
@@ -212,8 +213,8 @@ def _weight(name: str, values: ArrayLike, width: int, definite: bool = False) ->
     return symmetric
 
 
-class LinearQuadraticRegulator(SaysNothing):
-    r"""The forces of the desired motion and a regulator of one pose.
+class LinearQuadraticRegulator(Described, SaysNothing):
+    r"""Forces of the desired motion plus a regulator designed at one pose.
 
     It is the linear-quadratic regulator on the errors of position and speed.
 
@@ -275,6 +276,9 @@ class LinearQuadraticRegulator(SaysNothing):
         self.system = discretize(_commanded(robot, linearize(robot, pose), pose), period)
         self.regulator = lqr(self.system, Q, R)
 
+    def _facts(self) -> dict[str, Any]:
+        return {"robot": self.robot, "gain": self.regulator.K}
+
     def reset(self) -> None:
         """Forget the pose of the last call, which changes nothing but rounding."""
         self._forces_of.forget()
@@ -295,8 +299,8 @@ class LinearQuadraticRegulator(SaysNothing):
         return _table(self.robot, self.regulator.K, widths, 1.0, self._pose)
 
 
-class TimeVaryingLinearQuadraticRegulator(SaysNothing):
-    r"""The forces of the desired motion and a regulator along it.
+class TimeVaryingLinearQuadraticRegulator(Described, SaysNothing):
+    r"""Forces of the desired motion plus a regulator designed along it.
 
     It is the linear-quadratic regulator on the errors of position and speed.
 
@@ -361,6 +365,14 @@ class TimeVaryingLinearQuadraticRegulator(SaysNothing):
             linearize(robot, motion.positions, motion.speeds, motion.accelerations), self.period
         )
         self.regulator = time_varying_lqr(self.system, Q, R, terminal)
+
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "robot": self.robot,
+            "duration": f"{self.t[-1]:g} s",
+            "period": f"{self.period:g} s",
+            "gains": self.regulator.K,
+        }
 
     def reset(self) -> None:
         """Forget the pose of the last call, which changes nothing but rounding."""

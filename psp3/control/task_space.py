@@ -1,4 +1,4 @@
-r"""Computed torque in the coordinates of a frame, which stays bounded where the frame's map folds.
+r"""Computed torque in the coordinates of a frame, bounded near singularities.
 
 Where the smallest singular value :math:`\sigma` of the Jacobian vanishes, its inverse asks for
 infinite accelerations. For the tip of the 3-PSP this is the border of its reach, 23.9 mm from the
@@ -44,6 +44,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fuzzy2.support.described import Described
 from psp3.checks import Array, checked_function, checked_not_negative
 from psp3.closure.rank import RANK_TOLERANCE
 from psp3.control.controller import SaysNothing, Widths, widths_of
@@ -96,10 +97,10 @@ LEAST_DAMPED = 1e-12
 """Less is rounding of the singular value."""
 
 
-class TaskSpaceComputedTorque(SaysNothing):
-    r"""Computed torque on a frame.
+class TaskSpaceComputedTorque(Described, SaysNothing):
+    r"""Computed torque in the coordinates of a frame.
 
-    The model makes the robot a unit mass in the coordinates of the task.
+    The model turns the robot into a unit mass in the coordinates of the task.
 
     .. math:: \tau = M \ddot a + C \dot a + G, \qquad
               \ddot a = J^\# \big( \ddot x_d + k_v \dot e + k_p e - \dot J \dot a \big), \qquad
@@ -168,6 +169,15 @@ class TaskSpaceComputedTorque(SaysNothing):
         self._scaled = _ScaledJacobian(self.space)
         self.threshold = share * self._scaled.at_reference
         r"""The singular value :math:`\varepsilon` below which the inverse is damped."""
+
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "robot": self.robot,
+            "kp": self.kp,
+            "kv": self.kv,
+            "frame": self.space.frame,
+            "task": self.space.task,
+        }
 
     def reset(self) -> None:
         """Forget the pose of the last call, which changes nothing but rounding."""

@@ -30,6 +30,7 @@ from fuzzy2.learning.partition import KINDS
 from fuzzy2.numbers.affine import GaussianNumber, IntervalNumber
 from fuzzy2.reduction.general import cut_centroid
 from fuzzy2.support.compiled import only_for
+from fuzzy2.support.described import Described
 from fuzzy2.systems.general_type2 import GeneralType2System
 from fuzzy2.systems.system import FuzzySystem
 from psp3.checks import (
@@ -91,7 +92,7 @@ FuzzyNumbers = IntervalNumber | GaussianNumber
 _ROWS = ("positions", "speeds", "desired positions", "desired speeds", "desired accelerations")
 
 
-class FuzzyComputedTorque:
+class FuzzyComputedTorque(Described):
     r"""Computed torque with learned M, C and G: type-1, interval type-2 or general type-2.
 
     Parameters
@@ -238,6 +239,18 @@ class FuzzyComputedTorque:
         self._controller: kernels.Fuzzy | None = None
         self._model: Any = kernels.NO_MODEL
         self.reset()
+
+    def _facts(self) -> dict[str, Any]:
+        rules = None if self._controller is None else sum(len(s.rules) for s in self.systems_)
+        return {
+            "kind": self.kind,
+            "robot": self.robot,
+            "kp": self.kp,
+            "kv": self.kv,
+            "learner": self.learner,
+            "mean_variation": self.mean_variation,
+            "rules": "not trained" if rules is None else rules,
+        }
 
     def __repr__(self) -> str:
         numbers = [] if self._controller is None else [len(s.rules) for s in self.systems_]

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy2.support.bounded_files import LARGEST_NUMBERS
+from fuzzy2.support.described import Described
 from fuzzy2.support.json_text import parse_json
 from fuzzy2.support.text_files import read_text, write_text
 from psp3.checks import Array, checked_count, checked_path
@@ -77,8 +78,8 @@ class Status(IntEnum):
     """None of that; usable poses are connected with each other."""
 
 
-@dataclass(frozen=True, eq=False)
-class KinematicMap:
+@dataclass(frozen=True, eq=False, repr=False)
+class KinematicMap(Described):
     """A robot's poses over a grid.
 
     Each array has the grid's dimensions first; where a pose is unreachable, numbers are NaN.
@@ -130,6 +131,15 @@ class KinematicMap:
     position: Array
     margin: Array
     measures: Measures
+
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "robot": self.robot,
+            "frame": self.frame,
+            "task": self.task,
+            "grid": tuple(f"{name}: {len(values)}" for name, values in self.grid.items()),
+            "held": tuple(f"{name} = {value:.4g}" for name, value in self.held.items()) or None,
+        }
 
     def __post_init__(self) -> None:
         shape = tuple(values.size for values in self.grid.values())

@@ -1,4 +1,4 @@
-"""Figure of the comparison on robots that are not what controllers believe."""
+"""Figures of sweeps, and of comparisons on robots that differ from the controllers' models."""
 
 from __future__ import annotations
 

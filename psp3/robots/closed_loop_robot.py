@@ -26,6 +26,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from fuzzy2.support.described import Described
 from fuzzy2.support.logs import logger_named
 from psp3.checks import (
     Array,
@@ -94,7 +95,7 @@ PRELOAD_TOLERANCE = 1e-7
 logger = logger_named(__name__)
 
 
-class ClosedLoopRobot:
+class ClosedLoopRobot(Described):
     """A robot given as a tree, loop closures and actuated joints.
 
     Arguments and results are in actuated coordinates.
@@ -456,6 +457,14 @@ class ClosedLoopRobot:
         """Positions of the coordinates in the reference configuration ``q0``, (p,) [m or rad]."""
         positions: Array = self.q0[self.coordinates_q]
         return positions
+
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "name": self.title,
+            "freedoms": len(self.coordinates_v),
+            "motors": self.actuated,
+            "loops": len(self.constraint_models) + len(self.equations),
+        }
 
     @property
     def title(self) -> str:

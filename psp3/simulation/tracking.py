@@ -54,7 +54,7 @@ def simulate(
     clearance: float | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Result:
-    """Let a controller track a trajectory.
+    """Simulate a controller that tracks a trajectory.
 
     The whole desired motion is computed and checked for reach and stroke before the first step is
     taken.

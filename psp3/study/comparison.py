@@ -1,4 +1,4 @@
-"""Controllers beside each other in several cases, seed by seed."""
+"""Compare controllers in several cases, seed by seed."""
 
 from __future__ import annotations
 

@@ -40,8 +40,10 @@ from typing import Any, get_args, get_type_hints
 
 import numpy as np
 
+from fuzzy2.errors import printable
 from fuzzy2.learning.noise import mean_variation_from_snr
 from fuzzy2.learning.partition import KINDS
+from fuzzy2.support.markup import Markup, element
 from psp3.checks import (
     MOST,
     MOST_SEEDS,
@@ -144,12 +146,12 @@ LARGEST_INTEGER = 2**63 - 1
 Value = str | int | float | None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Run:
-    """Everything that decides a run.
+    """The settings that determine a run.
 
-    Making one checks nothing; :meth:`check` does, and :func:`psp3.study.execution.execute` before
-    it begins.
+    The constructor checks nothing; :meth:`check` does, and so does
+    :func:`psp3.study.execution.execute` before it begins.
 
     Parameters
     ----------
@@ -256,6 +258,19 @@ class Run:
     speed_noise: float = 0.0
     initial_error: float = 0.0
     initial_speed_error: float = 0.0
+
+    def __repr__(self) -> str:
+        """Return the fields that are not the default ones, as they are written."""
+        changed = [
+            f"{field.name}={getattr(self, field.name)!r}"
+            for field in fields(self)
+            if field.name != "controller" and getattr(self, field.name) != field.default
+        ]
+        return f"Run({', '.join([repr(self.controller), *changed])})"
+
+    def _repr_html_(self) -> Markup:
+        """Return what a notebook shows."""
+        return element("code", printable(repr(self)))
 
     def __post_init__(self) -> None:
         # One number is one run: of numpy, which grids are often made of, as of any other, and 20 as

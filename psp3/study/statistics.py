@@ -1,6 +1,6 @@
-"""What many seeds say together.
+"""Statistics over seeds: means, ratios and differences, with confidence intervals.
 
-Estimates with 95 % intervals, what they estimate, and the number of seeds that each stands on.
+Estimates with 95 % intervals, what they estimate, and the number of seeds behind each.
 
 Errors of runs are skewed, and thirty of them are too few for a normal law. Means, differences and
 ratios of means carry symmetric bootstrap-t intervals, which reach further than other bootstraps and

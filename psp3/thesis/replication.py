@@ -27,7 +27,7 @@ from psp3.study import latency, study
 from psp3.study.execution import simulate_run
 from psp3.study.intervals import MEASURED_COVERAGE, MEASURED_COVERAGE_OF_TEN
 from psp3.study.run import Run
-from psp3.thesis import beyond, chapter_5, chapter_6, definitions, figure_64
+from psp3.thesis import beyond, chapter_5, chapter_6, definitions, figure_64, opening
 from psp3.thesis.findings import Reproduction
 from psp3.thesis.plan import NOISY, Outcomes, Plan, Series, decibels
 from psp3.three_psp.parameters import PARAMETER_SETS
@@ -159,7 +159,11 @@ def _chapter_6(runs: study.Study, plan: Plan, outcome: Reproduction) -> dict[str
     beyond.numbers_of_terms(results, plan, outcome)
     beyond.other_trajectories(results, plan, outcome)
     chapter_6.table_6_1(robot, outcome)
-    return {"figure_64": figure_64.ratios_of_figure_64(results, plan), "mean_variation": variations}
+    return {
+        "result": opening.errors_of_result(results, plan),
+        "figure_64": figure_64.ratios_of_figure_64(results, plan),
+        "mean_variation": variations,
+    }
 
 
 def _table_6_2(outcome: Reproduction, quick: bool) -> None:
@@ -207,8 +211,10 @@ def _animation(outcome: Reproduction, directory: Path) -> None:
 def _write(outcome: Reproduction, plan: Plan, directory: Path) -> None:
     from psp3.thesis.report import write_report
 
+    opening.opening(plan, outcome)
     for name in ("PD", "CTC"):
         outcome.files.append(outcome.results[name].save(directory / f"{name.lower()}.npz"))
+    outcome.numbers["sentence"] = outcome.sentence
     outcome.numbers["answer"] = outcome.answer
     outcome.numbers["seeds"] = {"table_6_3": plan.seeds, "sweeps": plan.sweep_seeds}
     helix = Helix()

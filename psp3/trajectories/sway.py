@@ -1,4 +1,4 @@
-"""A motion to look at for any robot: what motors command goes to and fro about its reference."""
+"""A demonstration motion for any robot: the motors swing about the reference pose."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The scene in a browser that follows what is done to it, served to this machine only."""
+"""A live scene in the browser, served to this machine only."""
 
 from __future__ import annotations
 

@@ -485,7 +485,7 @@ def of_learning() -> Iterator[tuple[str, Call]]:
             lambda signal, snr_db, rng=None: fuzzy2.add_noise(
                 signal, snr_db, rng if rng is not None else np.random.default_rng(1)
             ),
-            {"signal": [0.1, 0.5, -0.3], "snr_db": 10.0},
+            {"signal": [0.1, 0.5, -0.3], "snr_db": 10.0, "rng": None},
             {"signal": SHAPES, "snr_db": ("infinite",)},
         ),
     )
@@ -541,13 +541,6 @@ def of_learning() -> Iterator[tuple[str, Call]]:
     )
     clusters = fuzzy2.fuzzy_c_means(X, 2)
     yield "Clusters.membership", Call(clusters.membership, {"X": INPUTS})
-    yield (
-        "Clusters",
-        Call(
-            fuzzy2.Clusters,
-            {field: getattr(clusters, field) for field in parameters_of(fuzzy2.Clusters)},
-        ),
-    )
     yield (
         "cluster_partition",
         Call(

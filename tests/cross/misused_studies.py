@@ -245,6 +245,7 @@ def of_statistics(table: Any) -> Iterator[tuple[str, Call]]:
         "summarize",
         Call(statistics.summarize, {"rows": table, "metric": METRIC, **drawn}),
     )
+    yield "check_metric", Call(statistics.check_metric, {"metric": METRIC})
     both = {"rows": table, "controller": "ctc", "baseline": "pd", "metric": METRIC}
     yield "compare", Call(statistics.compare, {**both, **drawn})
 

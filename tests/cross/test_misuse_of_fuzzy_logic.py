@@ -23,12 +23,15 @@ from tests.misuse import (
     without_arguments,
 )
 
-RECORDS = {"FineTuning": "what fine_tune returns", "Report": "what validate returns"}
+RECORDS = {
+    "Clusters": "what fuzzy_c_means returns",
+    "FineTuning": "what fine_tune returns",
+    "Report": "what validate returns",
+}
 """They hold what the package puts into them."""
 
 
 NO_CALLABLES = {
-    "fuzzy2": "SingletonFuzzifier",
     "fuzzy2.learning": "COMPLETIONS KINDS LEARNERS PARTITIONS",
     "fuzzy2.plots": "ACROSS POINTS REACH VISIBLE",
     "fuzzy2.systems": "AnySet",

@@ -46,15 +46,17 @@ SAME = {
 }
 
 NO_CALLABLES = {
-    "psp3": "MuJoCo PARAMETER_SETS statistics symbolic trajectories",
+    "psp3": "PARAMETER_SETS grid statistics symbolic trajectories",
     "psp3.benchmark": "BASELINES",
     "psp3.closure": "ASSEMBLED CLOSURE_TOLERANCE NO_MOTORS",
     "psp3.drives": "NO_DRIVE",
     "psp3.identification": "CONFIDENCE",
-    "psp3.study": "Progress",
+    "psp3.study": "Progress grid",
     "psp3.trajectories": "SPACES",
 }
-"""Numbers, modules and types, which take no argument; MuJoCo is tried where it is installed."""
+"""Numbers, modules and types, which take no argument; and ``grid``, which takes fields of runs by
+their names, and is tried with some.
+"""
 
 
 @pytest.fixture(scope="module")

@@ -1,53 +1,54 @@
 """Memory does not grow with the number of calls, nor of files that are read.
 
-A small budget of each, ``python -m tests.endurance.memory`` does many more. What is measured is the
-memory that the process holds for itself after what can be freed is: a slope of some bytes is one
-more page or fewer, and stands for no object.
+What is in use is counted to the byte, after some calls of each; what the system has given is looked
+at by ``python -m tests.endurance.memory``, after many more.
 """
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
+import gc
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 import pytest
 
-from tests.endurance.memory import slope
-from tests.processes import ENVIRONMENT, ROOT
+from tests.endurance.memory import Use, calls, growth, loads, slope
+from tests.processes import PROCESSES, answer_of, start
 
-BUDGET = 400_000
-"""Calls in all; loads are a ten-thousandth of that, each."""
+CALLS, LOADS = 50, 2
+"""Calls and loads in a window, of which there are six."""
 
-MOST_A_CALL = 16.0
-"""Bytes: a leaked float takes 24, and an array 112."""
+MOST_A_CALL = Use(16.0, 0.5)
+"""The least that C can leak is 32 bytes, and Python a block: what is once in two calls is found."""
 
-MOST_A_LOAD = 8192.0
-"""Bytes. A part of the allocator's, 256 KiB, more or less is that over the half of forty loads; a
-small robot is twenty times as large.
-"""
+MOST_A_LOAD = Use(4096.0, 64.0)
+"""A small robot is twenty times as large. What is kept for good is found in hundreds of loads."""
 
 
 def test_a_leak_is_found() -> None:
-    kept: list[bytes] = []
+    kept: list[object] = []
+    assert growth(lambda: kept.append(object()), 50).blocks == 1.0
+    assert growth(lambda: kept.append(bytes(600)), 50).bytes > 600.0
     assert slope(lambda: kept.append(bytes(100)), 20_000) > 100.0
-    kept.clear()
-    assert slope(lambda: kept.append(bytes(20_000)), 600) > 19_000.0
+
+
+def measured(folder: Path, answers: Connection) -> None:
+    # What is there before is not looked through again and again.
+    gc.freeze()
+    grown = {name: growth(call, CALLS) for name, call in calls().items()}
+    loaded = {name: growth(call, LOADS) for name, call in loads(folder).items()}
+    answers.send((grown, loaded))
 
 
 @pytest.mark.slow
 def test_memory_is_flat(tmp_path: Path) -> None:
-    """In a process of its own, which holds nothing else."""
-    command = [sys.executable, "-m", "tests.endurance.memory", str(BUDGET)]
-    environment = {**os.environ, **ENVIRONMENT}
-    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    rows = [line.split("\t") for line in done.stdout.splitlines()]
-    grown = {name: (int(number), float(size.split()[0])) for name, number, size, _ in rows}
-    assert len(grown) > 30
-    assert not {
-        name: found
-        for name, found in grown.items()
-        if found[1] > (MOST_A_CALL if found[0] > 1000 else MOST_A_LOAD)
-    }
+    """In a process of its own, in which no other thread has objects that come and go."""
+    ours, theirs = PROCESSES.Pipe(duplex=False)
+    grown, loaded = answer_of(start(measured, tmp_path, theirs), ours)
+    assert len(grown) + len(loaded) > 30
+    for found, most in ((grown, MOST_A_CALL), (loaded, MOST_A_LOAD)):
+        assert not {
+            name: use
+            for name, use in found.items()
+            if use.bytes > most.bytes or use.blocks > most.blocks
+        }

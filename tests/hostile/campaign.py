@@ -86,6 +86,7 @@ def _run(left: dict[str, range], report: Report, worker: str, done: Any) -> tupl
     words = [str(word) for name, own in left.items() for word in (name, own.start, own.stop)]
     process = subprocess.Popen(
         [sys.executable, "-m", worker, *words],
+        stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         text=True,

@@ -2,12 +2,14 @@
 
 ``python -m tests.hostile.worker READER FIRST LAST [READER FIRST LAST ...]`` writes a line of JSON
 before each mutant, its reader and number, and one behind it, what came of it. It may take a GiB
-more than it has when it begins. A mutant that takes :data:`KILLED` seconds of processor time ends
-the process, wherever it is; who has started it knows from the last line which one it was.
+more than it has when it begins. A mutant that takes :data:`KILLED` seconds of processor time, or
+waits for something for :data:`SILENT` seconds, ends the process, wherever it is; who has started it
+knows from the last line which one it was.
 """
 
 from __future__ import annotations
 
+import faulthandler
 import json
 import os
 import resource
@@ -26,6 +28,9 @@ MEMORY = 1 << 30
 KILLED = 20.0
 """Processor time after which a mutant is not waited for any longer [s]."""
 
+SILENT = 1800.0
+"""Time after which neither is one that computes nothing, but waits for something [s]."""
+
 
 def all_readers() -> dict[str, Readable]:
     """Return the readers of both packages by name."""
@@ -38,6 +43,7 @@ def work(name: str, numbers: range, folder: Path) -> None:
     for number in numbers:
         _say({"reader": name, "number": number})
         signal.setitimer(signal.ITIMER_PROF, KILLED)
+        faulthandler.dump_traceback_later(SILENT, exit=True)
         trial = reader.trial(number, folder / "mutant")
         signal.setitimer(signal.ITIMER_PROF, 0.0)
         said = {"result": trial.result, "seconds": trial.seconds}
@@ -60,6 +66,7 @@ WARMING = 8
 
 def _prepare(names: list[str], folder: Path) -> None:
     """Read every whole file once, and a few mutants, and bound the memory."""
+    faulthandler.dump_traceback_later(SILENT, exit=True)
     for name in names:
         reader = all_readers()[name]
         if isinstance(reader, Reader):

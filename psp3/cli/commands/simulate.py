@@ -22,7 +22,7 @@ from psp3.cli.options import (
     listed,
     one_or_each,
     only_allowed,
-    output_file,
+    result_output,
 )
 from psp3.cli.output import (
     draw_figure,
@@ -89,7 +89,7 @@ def simulate(
     out: Annotated[
         Path | None,
         typer.Option(
-            parser=output_file,
+            parser=result_output,
             metavar="FILE",
             rich_help_panel=OUTPUT,
             help="Save the result as .npz, for psp3 view.",

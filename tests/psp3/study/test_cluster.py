@@ -28,7 +28,7 @@ from psp3.study import file as study_file
 from psp3.study.execution import execute
 from psp3.study.run import Run
 from psp3.study.under_way import UnderWay
-from tests.processes import PROCESSES, answer_of, start, start_server
+from tests.processes import PATIENCE, PROCESSES, answer_of, start, start_server
 from tests.study_helpers import QUICK, count_rows, invented
 
 pytestmark = pytest.mark.slow
@@ -86,8 +86,10 @@ def signed(run: Run, folder: Path) -> dict[str, float]:
 
 
 def wait_until(condition: Callable[[], bool]) -> None:
-    """Look again and again, here or in a worker; however long it takes."""
+    """Look again and again, here or in a worker, as long as any machine may take."""
+    until = time.monotonic() + PATIENCE
     while not condition():
+        assert time.monotonic() < until, f"this has not come in {PATIENCE} s"
         time.sleep(0.01)
 
 
@@ -160,7 +162,7 @@ def test_two_studies_at_a_time_on_one_cluster(
     def wait(*arguments: Any) -> Any:
         if threading.get_ident() not in handed_out:
             handed_out.add(threading.get_ident())
-            both.wait()
+            both.wait(PATIENCE)
         return finished(*arguments)
 
     monkeypatch.setattr(UnderWay, "finished", wait)

@@ -11,6 +11,7 @@ from queue import SimpleQueue
 import pytest
 
 from psp3.study.interrupts import Interrupts, noted_interrupts
+from tests.processes import PATIENCE
 
 
 @pytest.fixture(autouse=True)
@@ -72,8 +73,8 @@ def test_it_wakes_who_waits() -> None:
     def interrupted() -> None:
         with noted_interrupts(lambda: queue.put(None)):
             threading.Timer(0.05, interrupt).start()
-            # Without end, if nobody wakes it.
-            queue.get()
+            # To the end of patience, if nobody wakes it.
+            queue.get(timeout=PATIENCE)
 
     with pytest.raises(KeyboardInterrupt):
         interrupted()

@@ -40,7 +40,7 @@ from psp3.study.file import GROUP, Additions, StudyFile
 from psp3.study.keys import Runs
 from psp3.study.run import METRICS, Run, field_types
 from psp3.study.under_way import UnderWay
-from tests.processes import PROCESSES, answer_of, start
+from tests.processes import PATIENCE, PROCESSES, answer_of, start
 from tests.study_helpers import QUICK, count_rows, invented, run_and_tell, run_until
 
 ROOT = Path(__file__).parents[3]
@@ -523,6 +523,23 @@ def test_ctrl_c_when_all_is_done_is_not_lost(
         whole.run(progress=lambda *_: ctrl_c())
 
 
+def test_ctrl_c_ends_a_progress_callback_that_waits(
+    path: Path, no_simulation: None, ctrl_c: Callable[[], None]
+) -> None:
+    """For a pipe that is full, or a person: between any two instructions of it."""
+    went_on = []
+
+    def wait(done: int, total: int, rate: float) -> None:
+        if done:
+            ctrl_c()
+            went_on.append(done)
+
+    with pytest.raises(StudyInterrupted) as end:
+        Study(path, grid(snr_db=20.0, seed=range(9))).run(progress=wait)
+    assert not went_on
+    assert 1 <= end.value.done == count_rows(path)
+
+
 def test_runs_under_way_when_interrupted_are_kept(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -533,12 +550,12 @@ def test_runs_under_way_when_interrupted_are_kept(
         begun.append(run.seed)
         if len(begun) == 2:
             second_has_begun.set()
-            interrupted.wait()
+            assert interrupted.wait(PATIENCE)
         return invented(run)
 
     def interrupt(done: int, total: int, rate: float) -> None:
         if done:
-            second_has_begun.wait()
+            assert second_has_begun.wait(PATIENCE)
             interrupted.set()
             raise KeyboardInterrupt
 

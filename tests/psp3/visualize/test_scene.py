@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from psp3.errors import InvalidArray, InvalidValue, UnreachablePose
 from psp3.visualize import Scene, write_animation
 from tests.page_helpers import (
     HEIGHT,
+    SIZES,
     WIDTH,
     changed_pixels,
     complaints,
@@ -24,6 +26,7 @@ from tests.page_helpers import (
     screenshot,
     settle,
     star_center,
+    sticking_out,
     wait_for,
 )
 
@@ -334,7 +337,8 @@ def test_two_robots_stand_side_by_side_under_their_names(
     assert [label[0] for label in labels] == names
     left, right = np.array([label[1:] for label in labels])
     assert 0 < left[0] < right[0] < WIDTH - 30
-    assert 0 < left[1] < 60
+    # Above the robots, and below the legend, which reaches over half of so small a page.
+    assert 0 < left[1] < HEIGHT / 3
     columns = np.nonzero(changed_pixels(browser, "robots/0/visuals", "robots/1/visuals"))[1]
     assert 3 < columns.min() < columns.max() < WIDTH - 4
     # PD has sunk, CTC has not, and PD is the robot on the left.
@@ -345,6 +349,23 @@ def test_two_robots_stand_side_by_side_under_their_names(
     assert pd_columns.max() < ctc_columns.min()
     screenshot(browser, "pd_beside_ctc")
     assert complaints(browser) == []
+
+
+@pytest.mark.parametrize("size", SIZES, ids=str)
+def test_words_and_buttons_are_whole_and_apart_at_any_width(
+    browser: webdriver.Chrome, sagging: psp3.Result, exact: psp3.Result, size: tuple[int, int]
+) -> None:
+    """Of two robots that move, where there is most to read."""
+    open_scene(browser, Scene(ROBOT).animate({"type-1, 20 dB": sagging, "type-2": exact}), *size)
+    assert not sticking_out(browser)
+    boxes = browser.execute_script(
+        "return [...document.querySelectorAll('.label, #legend, #playback, #distance')].map("
+        "(one) => { const box = one.getBoundingClientRect();"
+        "return [box.left, box.top, box.right, box.bottom]; })"
+    )
+    assert len(boxes) == 5
+    for one, other in combinations(boxes, 2):
+        assert one[2] <= other[0] or other[2] <= one[0] or one[3] <= other[1] or other[3] <= one[1]
 
 
 def test_results_without_a_sample_are_refused(sagging: psp3.Result) -> None:
