@@ -4,6 +4,8 @@
 #   make test        install what the tests need, and run them
 #   make test-quick  run those that take no time: for working
 #   make fuzz        try 50 000 changed files on all readers: a quarter of an hour of a core
+#   make endings     end studies, benchmarks and saves at 400 moments by chance: ten minutes
+#   make memory      look for leaks in ten million calls and a thousand loads: hours
 #   make export-states  compare robots in C with Python in 10,000 states each
 #   make misuse      call everything public with every wrong argument
 #   make lint        check style and types
@@ -38,7 +40,7 @@ KERNELS := $(shell grep -rl --include='*.py' 'support\.compiled' psp3 fuzzy2) $(
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .SUFFIXES:
-.PHONY: help reproduce test test-quick fuzz export-states misuse lint bench docs pictures lock clean
+.PHONY: help reproduce test test-quick fuzz endings memory export-states misuse lint bench docs pictures lock clean
 
 help:
 	@sed -n 's/^#   make/  make/p' Makefile
@@ -58,6 +60,16 @@ test-quick: $(VENV)/.compiled $(VENV)/.dev
 fuzz: $(VENV)/.compiled $(VENV)/.dev
 	@echo "Trying changed files on all readers; faults go into results/hostile"
 	@$(BIN)/python -m tests.hostile 50000
+
+# The tests take three of each kind with each signal.
+endings: $(VENV)/.compiled $(VENV)/.dev
+	@echo "Ending studies, benchmarks and saves, 200 times with SIGKILL and 200 times with SIGINT"
+	@$(BIN)/python -m tests.hostile.endings 200 0
+
+# The tests count what is in use after hundreds of calls; this looks at all that the system has given.
+memory: $(VENV)/.compiled $(VENV)/.dev
+	@echo "Calling ten million times, and loading a thousand times (hours)"
+	@$(BIN)/python -m tests.endurance.memory
 
 # The tests that 'make test' runs with a thousand states.
 export-states: $(VENV)/.compiled $(VENV)/.dev

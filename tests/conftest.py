@@ -5,6 +5,7 @@ Nothing here, and no test, is bounded by a clock: a busy machine is slow, not wr
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,6 +14,8 @@ import pytest
 from hypothesis import HealthCheck, settings
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
+
+from fuzzy2.support import announcements
 
 # The first call of a compiled kernel takes up to seconds on a fresh machine, and a busy machine is
 # slow in making examples too. Neither is a property of the example at hand.
@@ -47,6 +50,9 @@ for name in (
     "TTY_INTERACTIVE",
 ):
     os.environ.pop(name, None)
+
+# Nor is anybody told what is compiled on the way, which depends on what was run before.
+announcements.TOLD = math.inf
 
 CHROMIUM, DRIVER = Path("/usr/bin/chromium"), Path("/usr/bin/chromedriver")
 

@@ -169,7 +169,11 @@ def test_command_line_page_has_every_command(whole: Path) -> None:
 
 def commands(path: str, group: typer.Typer) -> list[str]:
     """Return all commands of a group and of the groups in it."""
-    found = [f"{path} {one.callback.__name__}" for one in group.registered_commands if one.callback]
+    found = [
+        f"{path} {one.name or one.callback.__name__.replace('_', '-')}"
+        for one in group.registered_commands
+        if one.callback
+    ]
     for inner in group.registered_groups:
         assert inner.typer_instance is not None
         found += commands(f"{path} {inner.typer_instance.info.name}", inner.typer_instance)

@@ -224,8 +224,8 @@ class CWriter:
         constants: Mapping[str, float] | None = None,
         never: tuple[str, ...] = (),
     ) -> None:
-        is_word = isinstance(name, str) and re.fullmatch(r"[A-Za-z]\w*", name)
-        if not is_word or name in RESERVED:
+        of_c = isinstance(name, str) and re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII)
+        if not of_c or name in RESERVED:
             raise InvalidValue("name", name, "letters, digits and _, a letter first, no word of C")
         self.name, self.about = name, about
         self.precision = Precision(precision)

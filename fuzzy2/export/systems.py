@@ -1,4 +1,4 @@
-"""Fuzzy systems as C99: which kernels and tables say what a system says."""
+"""Fuzzy systems as C99: which kernels and tables compute a system's outputs."""
 
 from __future__ import annotations
 

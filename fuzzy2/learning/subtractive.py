@@ -1,4 +1,4 @@
-r"""Subtractive clustering: it finds how many clusters there are, from how wide one is.
+r"""Subtractive clustering: the number of clusters follows from their width.
 
 Every sample is a possible center, and its potential counts the samples about it,
 

@@ -1,4 +1,4 @@
-"""One name for the picture of anything: a set, a system, a learner, an explanation."""
+"""One function that draws anything: a set, a system, a learner, an explanation."""
 
 from __future__ import annotations
 

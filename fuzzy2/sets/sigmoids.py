@@ -1,4 +1,4 @@
-"""Sigmoids, and what two of them make together."""
+"""Sigmoids, and products and differences of two of them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who compiles says so: it takes seconds, once, in which nothing else seems to happen.
+"""Announcements of compilation: it takes seconds, once, in which nothing else seems to happen.
 
 How long it takes follows roughly from how much code a function has, with all that it calls.
 """

@@ -1,4 +1,4 @@
-"""How things print: their class and what decides them, in a line or as a table in notebooks.
+"""How objects print: their class and their settings, in a line or as a table in notebooks.
 
 Nothing is computed for it, and no array is printed that is longer than a line.
 """

@@ -11,7 +11,9 @@ from concurrent.futures import CancelledError, Executor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager
 from pathlib import Path
+from typing import Any
 
+from fuzzy2.support.described import Described
 from fuzzy2.support.text_files import made_folder
 from psp3.benchmark.baselines import BASELINES, NEED_SCIKIT_LEARN, REFERENCE
 from psp3.benchmark.board import Board
@@ -53,7 +55,7 @@ FILE, PAGE, NUMBERS = "benchmark.sqlite", "benchmark.html", "benchmark.json"
 Progress = Callable[[int, int, float], None]
 
 
-class Benchmark:
+class Benchmark(Described):
     """Entries, and what they are asked to do.
 
     Without noise an entry runs once, unless it draws random numbers; what sees no noise of a
@@ -121,6 +123,16 @@ class Benchmark:
             known_name("reading of noise", reading, READINGS)
         for trial in self.trials(seeds=1):
             trial.check()
+
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "directory": self.directory.name,
+            "entries": tuple(self.entries),
+            "robots": self.robots,
+            "readings": self.readings,
+            "levels": tuple(f"{level:g} dB" for level in self.levels),
+            "seeds": self.seeds,
+        }
 
     def _enter(self, source: str | Entry) -> None:
         if isinstance(source, Entry):

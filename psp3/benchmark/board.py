@@ -32,6 +32,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fuzzy2.support.described import Described
 from fuzzy2.support.plain_data import plain
 from psp3.benchmark.baselines import REFERENCE
 from psp3.benchmark.entries import Entry
@@ -104,7 +105,7 @@ class Score:
     cells: dict[Cell, CellScore]
 
 
-class Board:
+class Board(Described):
     """Scores of entries.
 
     Parameters
@@ -144,6 +145,14 @@ class Board:
             for condition in conditions
             for path in PATHS
         )
+
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "entries": tuple(entry.name for entry in self.entries),
+            "robots": self.robots,
+            "seeds": self.seeds,
+            "duration": f"{self.duration:g} s",
+        }
 
     def extent(self, cell: Cell) -> float:
         """Return the largest error of a cell [m], that of a run which diverged.

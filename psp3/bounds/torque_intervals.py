@@ -100,7 +100,7 @@ class ConformalIntervals:
         return scores
 
     def around(self, intervals: ArrayLike) -> Array:
-        """Return intervals (..., n, 2) that hold what was asked for, about the given ones' middles.
+        """Return intervals (..., n, 2) of the requested coverage, about the given ones' middles.
 
         Raises
         ------

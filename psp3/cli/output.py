@@ -330,6 +330,7 @@ OPTIONS = {
     'free="refuse"': "--free refuse",
     'learner="strict"': "--learner strict",
     "n_terms": "--terms",
+    "snr_db": "--snr",
     "psp3.load('my_robot.urdf')": "my_robot.urdf",
 }
 """What remedies are called in Python, and on the command line."""

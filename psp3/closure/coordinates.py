@@ -15,7 +15,7 @@ left then are kept, too (:mod:`psp3.robots.simple_joints`).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,6 +32,9 @@ NOTHING = 1e-6
 
 WELL = 0.01
 """A motor that measures this much of the motions left, at every pose, does it well."""
+
+STILL = 1e-6
+"""Of a motion that others do not feel they measure no more than this."""
 
 GOOD_SHARE = 0.1
 """A joint that measures this share of what the best one does is good enough."""
@@ -227,11 +230,12 @@ class _Choice:
     def remove(self, row: Array) -> None:
         """Take out what a row measures; a pose where that is nothing is left out, too."""
         able = [basis for basis in self.bases if np.linalg.norm(row @ basis) > self.least]
-        self.bases = [basis @ null_space((row @ basis)[np.newaxis], 0.5) for basis in able]
+        self.bases = [_without(basis, row @ basis) for basis in able]
 
     def best(self, springs: Mapping[str, Any], home: Array) -> tuple[Array, Spin | None]:
         """Return the row that measures one more motion by the rule, for a ball with its spin."""
-        found: list[tuple[float, int, Array, Spin | None]] = []
+        found: list[tuple[float, int, int | Array, Spin | None]] = []
+        worst = np.min([np.linalg.norm(basis, axis=1) for basis in self.bases], axis=0)
         for index in range(1, self.model.njoints):
             joint, name = self.model.joints[index], str(self.model.names[index])
             if is_ball(joint):
@@ -243,16 +247,15 @@ class _Choice:
                 found.append((self.worst(row), 2, row, Spin(name, index, axis, quaternion)))
             elif joint.nq == joint.nv or joint.nv == 1:
                 for velocity in range(joint.idx_v, joint.idx_v + joint.nv):
-                    row = np.eye(self.model.nv)[velocity]
                     rank = 0 if name in springs else 1
-                    found.append((self.worst(row), rank, row, None))
+                    found.append((float(worst[velocity]), rank, velocity, None))
         best = max((one[0] for one in found), default=0.0)
         if not best > self.least:
             raise DependentCoordinates("", [])
         good = [one for one in found if one[0] >= GOOD_SHARE * best]
         # Of equals the first.
-        _, _, row, spin = min(good, key=lambda one: one[1])
-        return row, spin
+        _, _, which, spin = min(good, key=lambda one: one[1])
+        return np.eye(self.model.nv)[which] if isinstance(which, int) else which, spin
 
 
 def bases(model: pin.Model) -> list[Any]:
@@ -278,25 +281,50 @@ def floating_base(model: pin.Model, closures: Sequence[Any]) -> Any:
     return None
 
 
+def _without(basis: Array, measured: Array) -> Array:
+    """Return a basis without the direction that a row measures, by Householder's reflection.
+
+    It turns that direction into the first column, which goes.
+    """
+    mirror = measured.copy()
+    mirror[0] += np.copysign(np.linalg.norm(measured), measured[0])
+    turned: Array = basis - np.outer(basis @ mirror, 2.0 / (mirror @ mirror) * mirror)
+    return np.ascontiguousarray(turned[:, 1:])
+
+
 def _moving(
     model: pin.Model, found: Structure, rows: Sequence[Array], others: Sequence[Array]
 ) -> list[tuple[str, ...]]:
     """Return the joints that move when one of the rows does and all others do not."""
-    moving = []
-    for row in rows:
-        still = np.array([other for other in (*rows, *others) if other is not row])
-        moves = np.zeros(model.nv, dtype=bool)
-        for motions in found.motions:
-            basis = np.linalg.qr(motions)[0]
-            left = basis @ null_space(still @ basis, 1e-6, 1.0) if len(still) else basis
-            share = np.abs(row @ left).max(initial=0.0)
+    if not rows:
+        return []
+    moves = np.zeros((len(rows), model.nv), dtype=bool)
+    every = np.array([*rows, *others])
+    for motions in found.motions:
+        basis = np.linalg.qr(motions)[0]
+        for number, left in enumerate(_alone(every @ basis, len(rows))):
+            share = np.abs(every[number] @ basis @ left).max(initial=0.0)
             if share > NOTHING:
-                moves |= np.abs(left).max(axis=1) > 1e-5 + 10.0 * found.mismatch
-        moving.append(
-            tuple(
-                str(name)
-                for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True)
-                if moves[joint.idx_v : joint.idx_v + joint.nv].any()
-            )
+                limit = 1e-5 + 10.0 * found.mismatch
+                moves[number] |= np.abs(basis @ left).max(axis=1) > limit
+    joints = list(zip(list(model.names)[1:], list(model.joints)[1:], strict=True))
+    return [
+        tuple(
+            str(name) for name, joint in joints if own[joint.idx_v : joint.idx_v + joint.nv].any()
         )
-    return moving
+        for own in moves
+    ]
+
+
+def _alone(measured: Array, count: int) -> Iterator[Array]:
+    """Yield, for each of the first rows, the motions of which all other rows measure nothing.
+
+    Where there are as many rows as motions, and independent, these are columns of the inverse.
+    """
+    is_square = measured.shape[0] == measured.shape[1]
+    if is_square and np.linalg.svd(measured, compute_uv=False)[-1] > STILL:
+        inverse = np.linalg.inv(measured)[:, :count]
+        yield from (inverse / np.linalg.norm(inverse, axis=0)).T[..., np.newaxis]
+        return
+    for number in range(count):
+        yield null_space(np.delete(measured, number, axis=0), STILL, 1.0)

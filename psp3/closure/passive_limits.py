@@ -12,7 +12,7 @@ from psp3.errors import JointLimitExceeded
 class PassiveLimits:
     """Limits of the joints that are not actuated.
 
-    Those of the motors are the business of trajectories and simulation.
+    Trajectories and the simulation check those of the motors.
 
     Parameters
     ----------

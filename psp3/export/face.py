@@ -21,7 +21,7 @@ def _code_of_system(
     """Return the C code of a fuzzy system, or None of what is none."""
     if not isinstance(thing, FuzzySystem | ParallelSystem | AnYaSystem):
         return None
-    return systems.c_code_of(thing, precision=precision, name=name or "system")
+    return systems.c_code_of(thing, precision=precision, name="system" if name is None else name)
 
 
 KINDS: tuple[Callable[..., CCode | None], ...] = (

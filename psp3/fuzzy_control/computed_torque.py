@@ -9,9 +9,9 @@ differences, and of any other robot from positions and speeds.
 M, C and G are fuzzy numbers, the type-reduced outputs of one rule base; so are :math:`\alpha`,
 :math:`\beta` and the torque, which the thesis defuzzifies last. Intervals and Gaussian numbers are
 affine (Theorems 1.4, 1.5): their crisp torque is the same when M, C and G are defuzzified first,
-which is what :meth:`FuzzyComputedTorque.torque` does unless it is told otherwise. Numbers by
-α-planes are of no such kind. Their torque depends on the order, and ``defuzzify="last"`` takes the
-thesis's: the centroid (eq. 1.68) of the fuzzy torque. Either way it is one compiled call.
+which :meth:`FuzzyComputedTorque.torque` does by default. Numbers by α-planes are of no such kind.
+Their torque depends on the order, and ``defuzzify="last"`` takes the thesis's: the centroid (eq.
+1.68) of the fuzzy torque. Either way it is one compiled call.
 """
 
 from __future__ import annotations
@@ -103,14 +103,14 @@ class FuzzyComputedTorque(Described):
         secondary grades: the thesis's future work).
     robot : Robot, optional
         The robot to learn from, whose n coordinates are its motors; ``psp3.load("psp3")`` by
-        default. What its dynamics depend on it says itself, ``robot.learning_inputs``. Where M and
-        G depend on less than C does, they have a rule base of their own.
+        default. ``robot.learning_inputs`` says what its dynamics depend on. Where M and G depend on
+        less than C does, they have a rule base of their own.
     kp, kv : float
         Gains of the servo, 10 [1/s²] and 1 [1/s] in Table 6.1.
     n_terms : int, optional
-        Terms of every input, on a grid of rules. By default two where one rule base says all, as of
-        the 3-PSP, which makes 16 rules; and else no grid, nor where the grid of one of several rule
-        bases would have more than 256 rules.
+        Terms of every input, on a grid of rules. By default two where one rule base is enough, as
+        for the 3-PSP, which makes 16 rules; and else no grid, nor where the grid of one of several
+        rule bases would have more than 256 rules.
     rules : int, optional
         Rules of every base where they are no grid, 32 by default: each stands about a sample, which
         are chosen so that they cover all evenly.
@@ -282,7 +282,7 @@ class FuzzyComputedTorque(Described):
             Length of the training run [s].
         samples : int, optional
             Number of samples, spread evenly over the recorded inputs; 209 by default where one rule
-            base says all, and else 2000, or as many as there are.
+            base is enough, and else 2000, or as many as there are.
         rng : numpy.random.Generator, optional
             Source of the noise on the samples; a new one by default. Not used at an infinite
             signal-to-noise ratio.
@@ -466,7 +466,7 @@ class FuzzyComputedTorque(Described):
 
     @property
     def system_(self) -> FuzzySystem:
-        """What was learned, where one system says all.
+        """What was learned, where one system is enough.
 
         Raises
         ------

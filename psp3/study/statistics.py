@@ -10,7 +10,7 @@ compared by seed, since runs of one seed see the same noise.
 
 A run that diverged has no error, and its NaN cannot be averaged. Such runs are left out of means,
 medians, differences and ratios, which favors the controller that diverges: their share stands
-beside every summary, and the count of an estimate says how many runs it stands on.
+beside every summary, and the count of an estimate is the number of its runs.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from psp3.study.table import Table
 
 @dataclass(frozen=True)
 class Estimate:
-    """A value with its 95 % interval, and how many seeds it stands on.
+    """A value with its 95 % interval and the number of seeds behind it.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Summary:
-    """What the seeds of one setting give.
+    """Statistics of one setting over its seeds.
 
     Parameters
     ----------

@@ -66,8 +66,8 @@ class Study(Described):
     path : path
         SQLite file of the results. It is made by :meth:`run`, and extended if it exists.
     runs : iterable of Run, optional
-        The runs, see :func:`grid`; those that differ in nothing that matters are one. Without them
-        the study is what is in the file.
+        The runs, see :func:`grid`; those that are equal in all that matters count once. Without
+        them the study is what is in the file.
 
     Attributes
     ----------
@@ -248,7 +248,7 @@ def results_of(runs: Iterable[Run], workers: int | None = None) -> Table:
     Parameters
     ----------
     runs : iterable of Run
-        The runs; those that differ in nothing that matters are done once.
+        The runs; those that are equal in all that matters are done once.
     workers : int, optional
         Number of threads; all cores of this process unless given. The result does not depend on it.
 

@@ -119,10 +119,12 @@ def opening(plan: Plan, outcome: Reproduction) -> None:
         "robot's equation of motion, M(a) ä + C(a, ȧ) ȧ + G(a) = τ, with a the heights of the "
         "nuts, M the mass matrix, C the Coriolis matrix, G the forces of gravity and τ those of "
         "the screws. The fuzzy controllers estimate M, C and G by rules that they learn from "
-        "noisy records. At a signal-to-noise ratio (SNR) of S dB the noise has an amplitude of "
-        "10^(−S/20) times a reference, here the root mean square of each entry. Fuzzy errors are "
-        f"means over {count(plan.seeds)} of the noise, without the runs that diverged. Same order: "
-        "within a factor of three.",
+        "noisy records. The membership functions of their inputs are called terms. A type-2 term "
+        "has an uncertain mean, known to ± the mean variation, a share of the input's range. At a "
+        "signal-to-noise ratio (SNR) of S dB the noise has an amplitude of 10^(−S/20) times a "
+        "reference, here the root mean square of each entry. Fuzzy errors are means over "
+        f"{count(plan.seeds)}, each one draw of the noise, without the runs that diverged. Same "
+        "order: within a factor of three.",
         opening=True,
     )
     outcome.tables.insert(0, table)

@@ -153,7 +153,7 @@ class PSP3(ClosedLoopRobot):
 
     @property
     def title(self) -> str:
-        """What the robot is called where it is shown."""
+        """Name of the robot where it is shown."""
         return "3-PSP robot"
 
     @property

@@ -23,6 +23,12 @@ from psp3.trajectories.trajectory import Trajectory
 LEAST_GAP = 1e-9
 """Times nearer to each other than this share of the whole are one time, written twice."""
 
+MOST_MISSED = 1e-9
+"""A spline goes through its points but for this share of the largest; rounding leaves 1e-15 where
+times are even. Where some are 1e6 times as far from each other as others, the curve swings out
+farther than its numbers have digits.
+"""
+
 MOST_ROWS = 1_000_000
 """Rows of a file."""
 
@@ -215,7 +221,24 @@ def _spline(knots: Array, values: Array, ends: str) -> Any:
             f"such that a smooth curve goes through them in {knots[-1] - knots[0]:.6g} s: its "
             "speeds or accelerations are no finite numbers",
         )
+    missed = _missed(spline, values)
+    if missed.max() > MOST_MISSED * np.abs(values).max():
+        late = int(missed.argmax()) + 1
+        raise InvalidValue(
+            "times",
+            float(knots[late]),
+            f"at more even distances: a cubic curve would miss the point at {knots[late]:.6g} s by "
+            f"{missed.max():.2g}, since times before it are so much nearer to each other; put "
+            "points between",
+        )
     return spline
+
+
+def _missed(spline: Any, values: Array) -> Array:
+    """Return by how much each piece misses the point at its end: where it begins, it is exact."""
+    length = np.diff(spline.x)[:, np.newaxis]
+    ends = ((spline.c[0] * length + spline.c[1]) * length + spline.c[2]) * length + spline.c[3]
+    return np.asarray(np.abs(ends - values[1:]).max(axis=1))
 
 
 def _spline_motion(spline: object, t: Array) -> tuple[Array, Array, Array]:

@@ -402,7 +402,7 @@ def _of_all_coordinates(robot: Robot, frames: Frames) -> Frames:
 def _legend(frames: Mapping[str, Frames], newtons: float) -> list[dict[str, str]]:
     """Return what is to be explained.
 
-    Each entry has its own mark, so that none is told by color alone.
+    Each entry has its own mark, so that none is distinguished by color alone.
     """
     entries = {
         "desired_positions": ("desired pose", DESIRED_COLOR, "area"),

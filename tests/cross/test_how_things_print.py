@@ -10,6 +10,9 @@ import pytest
 
 import fuzzy2
 import psp3
+from psp3.benchmark import Benchmark
+from psp3.kinematics.task_space import TaskSpace
+from psp3.simulation.dormand_prince import DormandPrince
 from psp3.trajectories import Circle, Helix, Hold, Line, Waypoints
 from psp3.trajectories.motion import Motion
 
@@ -72,6 +75,13 @@ def study() -> psp3.Study:
             psp3.Monitor(),
             "Monitor(threshold=not learned, quantile=0.999, hysteresis=0.05, time_constant=0.05 s)",
         ),
+        (
+            Benchmark("no/such", ["ctc", "pd-gravity"], seeds=2),
+            "Benchmark(directory=such, entries=ctc, pd-gravity, robots=psp3, delta, gough_stewart, "
+            "readings=outputs, levels=20 dB, seeds=2)",
+        ),
+        (TaskSpace(ROBOT), "TaskSpace(robot=3-PSP robot, frame=tip, task=x, y, z)"),
+        (DormandPrince(ROBOT), "DormandPrince(robot=3-PSP robot)"),
         (
             fuzzy2.Linear(np.ones((2, 1, 4))),
             "Linear(rules=2, outputs=1, inputs=3, spreads=no)",

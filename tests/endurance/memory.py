@@ -63,6 +63,8 @@ def _mallinfo2() -> Callable[[], Any]:
 def in_use() -> Use:
     """Return what is in use: of C, C++ and arrays in bytes, of Python's small objects in blocks."""
     gc.collect()
+    # What types have been asked for: Python keeps the last 4096 names, each as often as C made it.
+    getattr(sys, "_clear_internal_caches", sys._clear_type_cache)()
     info = _mallinfo2()()
     return Use(float(info.uordblks + info.hblkhd), float(sys.getallocatedblocks()))
 

@@ -22,27 +22,35 @@ from psp3.simulation.runge_kutta import RungeKutta
 from psp3.trajectories import Circle, PointToPoint
 from tests.processes import ENVIRONMENT
 
-TIMES = 40
+TIMES = 15
 """Interrupts of each work."""
 
 
 def is_heard(work: Callable[[], object], seconds: float) -> bool:
-    """Do some work again and again, interrupt it after a time, and tell whether that ended it."""
+    """Do some work again and again, interrupt it after a time, and tell whether that ended it.
+
+    The time is that of the process. Where Python or NumPy compare in C what has methods in Python,
+    they make another error of an interrupt: ``KeyError`` of a dictionary, ``TypeError`` of an
+    array.
+    """
     raised = []
 
     def raise_in_the_middle(*_: object) -> None:
         raised.append(True)
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGALRM, raise_in_the_middle)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    before = signal.signal(signal.SIGPROF, raise_in_the_middle)
     try:
+        signal.setitimer(signal.ITIMER_PROF, seconds)
         while not raised:
             work()
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, KeyError, TypeError):
+        if not raised:
+            raise
         return True
     finally:
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
     return False
 
 
@@ -149,32 +157,37 @@ rules, numbers = [[0, 0], [0, 1], [1, 0], [1, 1]], [[0.0], [1.0], [2.0], [4.0]]
 system = fuzzy2.Type1System([means] * 2, rules, numbers)
 
 def interrupt(*_):
+    came.append(True)
     raise KeyboardInterrupt
 
 signal.signal(signal.SIGPROF, interrupt)
-rng, count = np.random.default_rng({seed}), 0
+rng, count, came = np.random.default_rng({seed}), 0, []
 while True:
+    came.clear()
     try:
         # Of what has been compiled the next attempt may find nothing: twice as long each time, so
         # that all of them take a few times as long as to compile once, on however slow a machine.
-        signal.setitimer(signal.ITIMER_PROF, rng.uniform(0.05, 0.1 * 2.0**count))
+        # And again, where Python passes over an interrupt, as in a finalizer.
+        moment = rng.uniform(0.05, 0.1 * 2.0**count)
+        signal.setitimer(signal.ITIMER_PROF, moment, moment)
         found = system([[0.2, 0.7]])
         low, high = fuzzy2.centroid([1.0, 2.0, 3.0], [0.1, 0.2, 0.1], [0.5, 0.6, 0.9])
         signal.setitimer(signal.ITIMER_PROF, 0.0)
         break
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, KeyError, TypeError):
+        if not came:
+            raise
         count += 1
 print(count, found[0, 0].hex(), low.hex(), high.hex())
 """
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, 2])
-def test_a_compiler_that_was_interrupted_compiles_the_next_time(seed: int, tmp_path: Path) -> None:
+def test_a_compiler_that_was_interrupted_compiles_the_next_time(tmp_path: Path) -> None:
     """In an empty folder for code, which then holds what is right."""
     environment = {**os.environ, **ENVIRONMENT, "NUMBA_CACHE_DIR": str(tmp_path)}
     answers = []
-    for number in (seed, seed + 100):
+    for number in (1, 101):
         command = [sys.executable, "-c", COMPILED.format(seed=number)]
         done = subprocess.run(command, env=environment, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr

@@ -20,7 +20,7 @@ import pytest
 
 from psp3.errors import StudyInterrupted
 from tests.endurance.long_work import LONG_WORK
-from tests.processes import PROCESSES, answer_of, start
+from tests.processes import PROCESSES, answer_of, computed, start
 
 MOST = 1.0
 """Seconds of computing of one thread after the signal."""
@@ -47,12 +47,6 @@ def work_until_interrupted(name: str, folder: Path, answers: Connection) -> None
         answers.send("done")
     except (KeyboardInterrupt, StudyInterrupted):
         answers.send(time.process_time())
-
-
-def computed(process: int) -> float:
-    """Return the seconds that a process has computed."""
-    fields = Path(f"/proc/{process}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 @pytest.mark.slow

@@ -146,7 +146,7 @@ def _pose_of_thesis(robot: PSP3, a: Any, json: bool) -> None:
         ("parasitic motion", here.parasitic_motion, "m"),
         ("condition of the tip Jacobian", here.tip_condition, ""),
     ):
-        table.add_row(name, plain_number(value), "", "", unit)
+        table.add_row(name, plain_number(float(value)), "", "", unit)
     if not inside:
         table.caption = (
             f"Outside the stroke, {lower[0]:g} m to {upper[0]:g} m: the machine cannot take this "

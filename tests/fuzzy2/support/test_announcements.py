@@ -72,6 +72,8 @@ def test_what_takes_long_is_logged_or_shown(
         shown.append(coming)
         yield
 
+    # Of the suite nothing is told, see tests/conftest.py.
+    monkeypatch.setattr(announcements, "TOLD", 2.0)
     with caplog.at_level(logging.WARNING):
         compiled(lambda x: x + 2.0)(1.0)
         assert not caplog.records

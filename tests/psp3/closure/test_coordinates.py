@@ -10,7 +10,9 @@ import pinocchio as pin
 import pytest
 
 import psp3
-from psp3.closure.coordinates import is_ball
+from psp3.closure import coordinates
+from psp3.closure.coordinates import _alone, is_ball
+from psp3.closure.rank import null_space
 from psp3.errors import DependentCoordinates, MobilityMismatch, NoFiniteAnswer, UnknownName
 from psp3.multibody.equations import Hinge
 from tests.helpers import Array, derivative
@@ -263,3 +265,26 @@ def test_motors_at_a_dead_point_are_no_coordinates_where_others_do() -> None:
     alone = star.inverse_dynamics(positions, np.zeros(3), np.zeros(3))
     assert np.linalg.norm(forces) <= np.linalg.norm(alone)
     assert np.allclose(robot.actuation_matrix(positions) @ forces, alone, rtol=1e-9)
+
+
+def test_motions_of_which_all_others_measure_nothing_are_those_of_null_spaces() -> None:
+    """Where rows and motions are as many, and where they are not; 1e-12 for a condition of 1e2."""
+    rng = np.random.default_rng(3)
+    for rows, motions in ((5, 5), (4, 6), (6, 4)):
+        measured = rng.normal(size=(rows, motions))
+        found = list(_alone(measured, 3))
+        assert len(found) == 3
+        for number, left in enumerate(found):
+            others = np.delete(measured, number, axis=0)
+            expected = null_space(others, 1e-6, 1.0)
+            assert np.abs(left @ left.T - expected @ expected.T).max() < 1e-12
+
+
+def test_of_many_free_joints_none_is_looked_at_by_a_decomposition_of_its_own(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Else a tree takes the fourth power of its joints: 22 s for a hundred."""
+    monkeypatch.setattr(coordinates, "null_space", lambda *_: pytest.fail("one by one"))
+    model = chain(*((f"joint{k}", pin.JointModelRX()) for k in range(30)))
+    robot = psp3.ClosedLoopRobot(model, [], (), free="keep")
+    assert robot.coordinates == tuple(f"joint{k}" for k in range(30))

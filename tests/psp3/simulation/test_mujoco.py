@@ -199,3 +199,33 @@ def test_numbers_must_be_numbers() -> None:
         MuJoCo(ROBOT, limits=("low", "high"))
     with pytest.raises(InvalidArray, match="heights"):
         MuJoCo(ROBOT).start(np.array([0.0, np.nan, 0.0]), np.zeros(3))
+
+
+@pytest.mark.parametrize("forces", [1e9, 1e300, np.inf, -np.inf, np.nan])
+@pytest.mark.parametrize("duration", [1e-300, 1e-9, 0.002, 1.0, 1e300, np.inf, np.nan])
+def test_extreme_forces_and_steps_are_finite_or_refused(forces: float, duration: float) -> None:
+    """What MuJoCo cannot compute it says in a warning, which ends the simulation: None."""
+    plant = MuJoCo(ROBOT)
+    plant.start(TILTED, np.zeros(3))
+    if not (np.isfinite(forces) and np.isfinite(duration)):
+        with pytest.raises((InvalidArray, InvalidValue)):
+            plant.advance(np.full(3, forces), duration)
+        return
+    found = plant.advance(np.full(3, forces), duration)
+    if found is None:
+        assert duration > 0.01
+    else:
+        assert np.isfinite(found).all()
+
+
+@pytest.mark.parametrize(("kp", "kv"), [(1e9, 1e9), (1e9, 1.0), (1e300, 0.0), (0.0, 1e300)])
+def test_extreme_gains_are_finite_or_refused(kp: float, kv: float) -> None:
+    controller = psp3.ComputedTorque(ROBOT, kp, kv)
+    way = psp3.trajectories.Helix(robot=ROBOT)
+    try:
+        with np.errstate(all="ignore"):
+            result = psp3.simulate(ROBOT, controller, way, 0.05, plant=MuJoCo(ROBOT))
+    except psp3.PSP3Error:
+        return
+    for numbers in (result.positions, result.speeds, result.torque):
+        assert np.isfinite(numbers).all()

@@ -186,3 +186,29 @@ def test_a_record_that_cannot_be_used_is_refused(tmp_path: Path, text: str, word
     file.write_text(text)
     with pytest.raises(InvalidTrajectoryFile, match=words):
         trajectories.measured_motion(file, robot)
+
+
+@pytest.mark.parametrize("late", [2.0**20, 2.0**31])
+def test_a_curve_that_would_miss_its_own_points_is_refused(tmp_path: Path, late: float) -> None:
+    """Three rows in seconds and one after weeks: the cubic piece between swings out by 1e9 m."""
+    path = tmp_path / "motion.csv"
+    rows = ["t,a1,a2,a3", "0,0.1,0.2,0.2", "3,0.3,0.2,0.2", "6,0.1,0.2,0.2", f"{late},0.2,0.2,0.2"]
+    path.write_text("\n".join(rows))
+    with pytest.raises(InvalidTrajectoryFile, match=r"times must be at more even distances.*miss"):
+        trajectories.FromCSV(path)
+
+
+def test_times_since_1970_are_times_as_any(tmp_path: Path) -> None:
+    """Differences of such times are exact, so that points are, too."""
+    path, t = tmp_path / "motion.csv", 2.0**31 + np.arange(8) / 64.0
+    heights = 0.2 + 0.01 * np.sin(np.arange(24.0)).reshape(8, 3)
+    np.savetxt(
+        path,
+        np.column_stack([t, heights]),
+        fmt="%.17g",
+        delimiter=",",
+        header="t,a1,a2,a3",
+        comments="",
+    )
+    found = trajectories.FromCSV(path)(t).positions
+    np.testing.assert_allclose(found, heights, rtol=0.0, atol=1e-15)
