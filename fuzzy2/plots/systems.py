@@ -196,6 +196,9 @@ def _grid(
     middle = covered.mean(axis=1) if held is None else reals("held", held)
     if middle.shape != (len(covered),):
         raise InvalidValue("held", middle.shape, f"one value for each of the {len(covered)} inputs")
+    rest = np.delete(middle, varied)
+    if not np.isfinite(rest).all():
+        raise InvalidValue("held", held, "finite but for inputs that vary")
     ends = [
         covered[i] if domain is None else ascending_pair("domain", domain)
         for i, domain in zip(varied, given, strict=True)

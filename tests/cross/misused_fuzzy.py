@@ -783,6 +783,10 @@ def of_files(folder: Path) -> Iterator[tuple[str, Call]]:
     )
 
 
+OF_NO_MATTER = ("NaN entry", "infinite entry")
+"""What is held of an input that varies."""
+
+
 def of_figures() -> Iterator[tuple[str, Call]]:
     """Yield figures; what they draw is no number."""
     general, system = SETS["GaussianType2Set"], systems()["Type1System"]
@@ -825,7 +829,7 @@ def of_figures() -> Iterator[tuple[str, Call]]:
             Call(
                 getattr(plots, name),
                 {**given, "axes": None},
-                {"held": ("None",)},
+                {"held": ("None", *(OF_NO_MATTER if "surface" in name else ()))},
                 reads=lambda panels: None,
             ),
         )
