@@ -8,6 +8,7 @@
 #   make endings     end studies, benchmarks and saves at 400 moments by chance: ten minutes
 #   make memory      look for leaks in ten million calls and a thousand loads: hours
 #   make export-states  compare robots and controllers in C with Python in 10,000 states each
+#   make misuse      call everything public with every wrong argument
 #   make lint        check style and types
 #   make bench       measure speed
 #   make release-check  build wheel and source distribution, and try them on every Python there is
@@ -41,7 +42,7 @@ KERNELS := $(shell grep -rl --include='*.py' 'support\.compiled' psp3 fuzzy2) $(
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .SUFFIXES:
-.PHONY: help view reproduce test test-quick fuzz endings memory export-states lint bench release-check docs pictures lock clean
+.PHONY: help view reproduce test test-quick fuzz endings memory export-states misuse lint bench release-check docs pictures lock clean
 
 help:
 	@sed -n 's/^#   make/  make/p' Makefile
@@ -81,6 +82,11 @@ export-states: $(VENV)/.compiled $(VENV)/.dev
 	@echo "Comparing robots and controllers in C with Python in 10,000 states (half an hour)"
 	@EXPORT_STATES=10000 $(BIN)/python -m pytest --numprocesses=logical --dist=load \
 		-k "test_every or sanitizers" $(addprefix tests/psp3/export/test_,robots.py closed_form.py controllers.py)
+
+# The tests that 'make test' runs with one of eight wrong arguments.
+misuse: $(VENV)/.compiled $(VENV)/.dev
+	@echo "Calling everything public with every wrong argument (some minutes)"
+	@MISUSE=all $(BIN)/python -m pytest --numprocesses=logical --dist=loadfile tests/cross/test_misuse_of_*.py
 
 lint: $(VENV)/.dev
 	@echo "Checking style (ruff), types (mypy) and the order of imports (import-linter)"

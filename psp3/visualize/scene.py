@@ -188,16 +188,15 @@ class Scene:
                 force,
                 "left out: arrows are drawn along sliding motors only, and this robot has others",
             )
-        pose = np.reshape(positions, -1)
         # Before anything is drawn: what cannot be shown leaves the scene as it was.
-        for positions in (pose,) if desired is None else (pose, np.reshape(desired, -1)):
-            self.robot.configuration(positions)
+        pose = self._checked_pose("positions", positions)
+        ghost = None if desired is None else self._checked_pose("desired", desired)[None]
         self._perform(
             {
                 "": Frames(
                     np.zeros(1),
                     pose[None],
-                    desired_positions=None if desired is None else np.reshape(desired, (1, -1)),
+                    desired_positions=ghost,
                     force=None
                     if force is None
                     else one_row("force", force, len(self.robot.actuated))[None],
@@ -205,6 +204,12 @@ class Scene:
             }
         )
         return self
+
+    def _checked_pose(self, name: str, positions: ArrayLike) -> Array:
+        """Return a pose that the robot can take."""
+        pose = one_row(name, positions, len(self.robot.reference))
+        self.robot.configuration(pose)
+        return pose
 
     def animate(
         self,

@@ -15,6 +15,7 @@ from psp3.cli.options import (
     MOTION,
     ControllerName,
     Positions,
+    file_path,
     of_each,
     only_allowed,
     page_output,
@@ -43,6 +44,7 @@ def view(
     result: Annotated[
         list[Path] | None,
         typer.Option(
+            parser=file_path,
             metavar="FILE",
             help="Show the motion that psp3 simulate --out saved; may be given more than once.",
         ),
@@ -60,6 +62,7 @@ def view(
     trained: Annotated[
         list[Path] | None,
         typer.Option(
+            parser=file_path,
             metavar="FILE",
             help=(
                 "Simulate a controller that psp3 train wrote, and show it; may be given more "
