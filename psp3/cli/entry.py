@@ -14,7 +14,7 @@ import sys
 import typer
 
 from fuzzy2.support.announcements import announced_by
-from psp3.cli.app import app, export
+from psp3.cli.app import Command, app, export
 from psp3.cli.commands.benchmark import benchmark
 from psp3.cli.commands.check import check
 from psp3.cli.commands.dynamics import dynamics
@@ -36,11 +36,11 @@ from psp3.cli.output import error_message, say
 
 # In the order of the help.
 for command in (reproduce, simulate, train, study, benchmark, torques, pose, dynamics, workspace):
-    app.command()(command)
+    app.command(cls=Command)(command)
 for command in (view, check, info, warm_up):
-    app.command()(command)
-export.command()(c)
-export.command()(fmu)
+    app.command(cls=Command)(command)
+export.command(cls=Command)(c)
+export.command(cls=Command)(fmu)
 app.add_typer(export)
 
 
