@@ -11,6 +11,7 @@ import numpy as np
 
 from fuzzy2.errors import NotExportable
 from fuzzy2.export.c_code import Argument, CCode, CWriter, Known
+from fuzzy2.export.numbers import Precision
 from fuzzy2.export.refusals import refusal_of, refusal_of_planes
 from fuzzy2.export.system_kernels import (
     Averaged,
@@ -88,7 +89,7 @@ def c_code_of(
     tables = Known("system", tables_of(system))
     each = getattr(system, "systems", [system])
     constants, never = without_shapes(each), _functions_left_out(each)
-    about = _about(system, precision)
+    about = _about(system, Precision(precision).name)
     writer = CWriter(name, precision, about, constants=constants, never=never)
     inputs, outputs = system.input_names, system.output_names
     x = Argument("x", f"the inputs: {_listed(inputs, _ranges(system))}", len(inputs))

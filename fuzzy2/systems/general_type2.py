@@ -26,6 +26,9 @@ from fuzzy2.systems.rules import Rule
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System
 from fuzzy2.systems.terms import domain_of, highest_point
 
+REDUCTIONS = ("alpha_planes", "gaussian")
+"""How general type-2 outputs are reduced."""
+
 
 class GeneralType2System(FuzzySystem):
     r"""General type-2 fuzzy logic system,by α-planes or by the Gaussian corollary.
@@ -75,7 +78,7 @@ class GeneralType2System(FuzzySystem):
         grade_t_norm: str = "min",
         **options: Any,
     ) -> None:
-        known_name("reduction", reduction, ("alpha_planes", "gaussian"))
+        known_name("reduction", reduction, REDUCTIONS)
         levels = whole_number("levels", levels, 1)
         known_name("t-norm of secondary grades", grade_t_norm, ("min", "product"))
         self.reduction, self.levels, self.grade_t_norm = reduction, int(levels), grade_t_norm

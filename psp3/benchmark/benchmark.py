@@ -26,7 +26,9 @@ from psp3.benchmark.tasks import ROBOTS
 from psp3.benchmark.trial import Outcome, Trial, execute, own_trial
 from psp3.benchmark.workers import done_by, processes
 from psp3.checks import (
+    MOST_SEEDS,
     checked_count,
+    checked_function,
     checked_names,
     checked_number,
     checked_path,
@@ -112,7 +114,7 @@ class Benchmark(Described):
             if math.isinf(ratio):
                 raise InvalidValue("levels", ratio, wanted)
         self.levels = tuple(dict.fromkeys(ratios))
-        self.seeds = checked_count("seeds", seeds)
+        self.seeds = checked_count("seeds", seeds, 1, MOST_SEEDS)
         self.duration = checked_positive("duration", duration)
         self.period = checked_positive("period", period)
         if not self.robots:
@@ -156,8 +158,14 @@ class Benchmark(Described):
         """Yield the trials of an entry whose every outcome depends on the seed.
 
         Seeds vary slowest, so that what was stopped holds whole comparisons.
+
+        Raises
+        ------
+        InvalidValue
+            If the number of seeds is none.
         """
-        for seed in range(self.seeds if seeds is None else seeds):
+        count = self.seeds if seeds is None else checked_count("seeds", seeds, 1, MOST_SEEDS)
+        for seed in range(count):
             for robot in self.robots:
                 for reading, snr_db in self.conditions:
                     yield Trial(robot, reading, snr_db, seed, self.duration, self.period)
@@ -204,6 +212,10 @@ class Benchmark(Described):
         """
         if workers is not None and scheduler is not None:
             raise InvalidValue("workers", workers, "left out where a scheduler has its own")
+        if scheduler is not None:
+            cluster.host_and_port(scheduler)
+        if progress is not None:
+            checked_function("progress", progress)
         count = (
             len(os.sched_getaffinity(0)) if workers is None else checked_count("workers", workers)
         )

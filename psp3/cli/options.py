@@ -140,9 +140,25 @@ def limit_of_torque(text: str) -> Limit:
     return Limit(given)
 
 
+def file_path(text: str) -> Path:
+    """Refuse a name without a letter: it would mean the folder where the command runs."""
+    # Typer hands over the default, too, which is a path.
+    if not str(text).strip():
+        raise typer.BadParameter(f"{text!r} names no file")
+    return Path(text)
+
+
+def folder_path(text: str) -> Path:
+    """Refuse a folder that is a file."""
+    path = file_path(text)
+    if path.exists() and not path.is_dir():
+        raise typer.BadParameter(f"{text} is no directory")
+    return path
+
+
 def output_file(text: str) -> Path:
     """Refuse what cannot be written before anything is computed, not after."""
-    path = Path(text)
+    path = file_path(text)
     if path.is_dir():
         raise typer.BadParameter(f"{text} is a directory")
     if not path.parent.is_dir():
@@ -156,7 +172,8 @@ def output_named(what: str, *endings: str) -> Callable[[str], Path]:
     """Return how the name of an output is read, which must end as its programs expect."""
 
     def output(text: str) -> Path:
-        if Path(text).suffix.lower() not in endings:
+        # A directory has no ending, and is told as what it is.
+        if Path(text).suffix.lower() not in endings and not Path(text).is_dir():
             raise typer.BadParameter(f"{text}: the name of {what} must end in {', '.join(endings)}")
         return output_file(text)
 

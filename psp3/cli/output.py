@@ -378,10 +378,17 @@ def _refused_by_library(error: Exception) -> str:
 
 
 def error_message(error: Exception) -> str | None:
-    """Return what a person needs to read of an error, in one line.
+    """Return what a person needs to read of an error, in one line that is not too long.
 
     None if it is none that a person made.
     """
+    from fuzzy2.support.bounded_files import shortened
+
+    text = _words_of(error)
+    return None if text is None else " ".join(shortened(text).split())
+
+
+def _words_of(error: Exception) -> str | None:
     if hasattr(error, "format_message"):
         context = getattr(error, "ctx", None)
         command = "psp3" if context is None else context.command_path
@@ -401,7 +408,7 @@ def error_message(error: Exception) -> str | None:
     from fuzzy2.errors import RaisedOnPurpose
 
     if isinstance(error, RaisedOnPurpose):
-        return f"psp3: {as_options(' '.join(str(error).split()))}"
+        return f"psp3: {as_options(str(error))}"
     if isinstance(error, OSError):
         reason = error.strerror or str(error)
         return (

@@ -24,7 +24,7 @@ from fuzzy2.support.described import Described
 from psp3.checks import Array, as_floats, checked_not_negative, checked_positive
 from psp3.control import kernels
 from psp3.control.controller import SaysNothing, Stateless, Widths, widths_of
-from psp3.dynamics.dynamics_model import DynamicsModel, ForcesOfMotions
+from psp3.dynamics.dynamics_model import DynamicsModel, ForcesOfMotions, checked_model
 from psp3.errors import InvalidArray
 from psp3.trajectories.motion import Motion
 
@@ -69,7 +69,8 @@ def critically_damped_gains(bandwidth: float, mass: float | ArrayLike = 1.0) -> 
 
 def _gain(name: str, value: float | ArrayLike) -> float | Array:
     """Return a gain: a number that is not negative, or a square matrix."""
-    if np.ndim(value) == 0:
+    # Of rows of different lengths numpy knows no number of dimensions.
+    if not isinstance(value, list | tuple) and np.ndim(value) == 0:
         return checked_not_negative(name, value)
     matrix = as_floats(name, value, "(n, n)")
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not np.isfinite(matrix).all():
@@ -192,6 +193,8 @@ class PD(Described, SaysNothing, Stateless):
         kv: float | ArrayLike = 100.0,
         model: Any = None,
     ) -> None:
+        if model is not None:
+            checked_model(model)
         self.kp, self.kv, self.model = _gain("kp", kp), _gain("kv", kv), model
 
     def _facts(self) -> dict[str, Any]:

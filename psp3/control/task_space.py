@@ -45,7 +45,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.support.described import Described
-from psp3.checks import Array, checked_not_negative
+from psp3.checks import Array, checked_function, checked_not_negative
 from psp3.closure.rank import RANK_TOLERANCE
 from psp3.control.controller import SaysNothing, Widths, widths_of
 from psp3.control.task_space_kernels import (
@@ -91,6 +91,10 @@ def damped_reciprocals(singular_values: ArrayLike, threshold: float) -> Array:
         # Written so that it is the reciprocal to the last digit where nothing is damped.
         damped: Array = np.where(damping > 0.0, sigma / (sigma**2 + damping**2), 1.0 / sigma)
     return damped
+
+
+LEAST_DAMPED = 1e-12
+"""Less is rounding of the singular value."""
 
 
 class TaskSpaceComputedTorque(Described, SaysNothing):
@@ -149,14 +153,17 @@ class TaskSpaceComputedTorque(Described, SaysNothing):
         task: Sequence[str] = ("x", "y", "z"),
         damped_below: float = 0.15,
     ) -> None:
+        if path is not None:
+            checked_function("path", path)
         self.robot, self.path, self._forces_of = robot, path, ForcesOfMotions(robot)
         self.kp, self.kv = checked_not_negative("kp", kp), checked_not_negative("kv", kv)
         share = checked_not_negative("damped_below", damped_below)
-        if share >= 1.0:
+        if share >= 1.0 or 0.0 < share < LEAST_DAMPED:
             raise InvalidValue(
                 "damped_below",
                 damped_below,
-                "a share of the reference pose's singular value, below 1",
+                f"0, or a share of the reference pose's singular value, {LEAST_DAMPED:g} or more "
+                "and below 1",
             )
         self.space = square_task(checked_motors(robot), frame, task)
         self._scaled = _ScaledJacobian(self.space)

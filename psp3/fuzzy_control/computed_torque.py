@@ -41,9 +41,12 @@ from psp3.checks import (
     checked_number,
     checked_positive,
     checked_random,
+    checked_truth,
     finite_rows,
     known_name,
+    listed,
     one_row,
+    overflow_refused,
 )
 from psp3.control.controller import Widths
 from psp3.errors import InvalidArray, InvalidValue, NotTrained, UnusableEstimate
@@ -318,6 +321,7 @@ class FuzzyComputedTorque(Described):
             wanted = f"one of {self.robot.title}, with the inputs {', '.join(self.inputs.names)}"
             raise InvalidValue("recorded", ", ".join(recorded.input_names), wanted)
         checked_random(rng)
+        checked_kind("noise", noise, RecordNoise, "a RecordNoise")
         if samples is None:
             samples = self.samples
             if samples == MOST_SAMPLES:
@@ -381,13 +385,15 @@ class FuzzyComputedTorque(Described):
         for name, array in zip(("speeds", "accelerations", "forces"), arrays[1:], strict=True):
             if array.shape != arrays[0].shape:
                 raise InvalidArray(name, f"{arrays[0].shape}, one row for each position", array)
+        is_definite = checked_truth("positive_definite", positive_definite)
         inputs = self.inputs.of(arrays[0], arrays[1])
         ranges_of_moving(inputs, self.inputs.names, "positions and speeds")
         a, v, w, force = arrays
-        systems = rule_bases.systems_from_motion(
-            *(self._options, self.places, self.inputs, (a, v, w), force),
-            *(self.coriolis == "mass", positive_definite),
-        )
+        with overflow_refused("the sizes of positions, speeds, accelerations and forces"):
+            systems = rule_bases.systems_from_motion(
+                *(self._options, self.places, self.inputs, (a, v, w), force),
+                *(self.coriolis == "mass", is_definite),
+            )
         self._take(systems, np.stack([inputs.min(axis=0), inputs.max(axis=0)]))
         return self
 
@@ -400,6 +406,7 @@ class FuzzyComputedTorque(Described):
 
     def terms_of(self, place: Place) -> int:
         """Return how many terms every input of a rule base has."""
+        checked_kind("place", place, Place, "one of places")
         return rule_bases.terms_of_input(self._options, len(place.columns))[0]
 
     def _take(self, systems: Sequence[FuzzySystem], ranges: Array) -> None:
@@ -433,11 +440,22 @@ class FuzzyComputedTorque(Described):
 
         Raises
         ------
+        NotTrained
+            If nothing was learned yet.
+        InvalidValue
+            If they are not as many fuzzy systems as there are.
         UnusableEstimate
             If the average mass matrix is not positive definite.
         """
+        if self._controller is None:
+            raise NotTrained(type(self).__name__)
+        wanted = f"a list of fuzzy systems, {len(self.places)}: one for each of systems_"
+        given = listed("systems", systems, wanted)
+        is_one = [isinstance(system, FuzzySystem) for system in given]
+        if len(given) != len(self.places) or not all(is_one):
+            raise InvalidValue("systems", systems, wanted)
         other = copy.copy(self)
-        other._take(systems, self.ranges_)
+        other._take(given, self.ranges_)
         return other
 
     def _stepped(self, rows: tuple[Array, Array, Array, Array, Array], step: Array) -> int:
@@ -534,6 +552,7 @@ class FuzzyComputedTorque(Described):
             raise NotTrained(type(self).__name__)
         # A new array in every call: the torque is a view of it, and stays what it is.
         step = np.empty(3 * self.joints + 2)
+        checked_kind("desired", desired, Motion, "a Motion, what a trajectory returns at a time")
         rows = (heights, speeds, desired.positions, desired.speeds, desired.accelerations)
         try:
             done = self._stepped(rows, step)
@@ -696,6 +715,7 @@ class FuzzyComputedTorque(Described):
         NotTrained, InvalidArray
             As from :meth:`torque`.
         """
+        checked_kind("desired", desired, Motion, "a Motion, what a trajectory returns at a time")
         rows = (heights, speeds, desired.positions, desired.speeds, desired.accelerations)
         a, v, *wanted = (
             one_row(name, row, self.joints) for name, row in zip(_ROWS, rows, strict=True)
@@ -730,6 +750,8 @@ class FuzzyComputedTorque(Described):
         """
         if self._controller is None:
             raise NotTrained(type(self).__name__)
+        wanted = "a number, as torque_number returns it"
+        checked_kind("number", number, (IntervalNumber, GaussianNumber), wanted)
         first = self.systems_[0]
         if (
             isinstance(number, GaussianNumber)

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzy2.support.described import Described
-from psp3.checks import Array, as_floats, checked_number, checked_positive
+from psp3.checks import Array, as_floats, checked_number, checked_positive, listed
 from psp3.errors import InvalidArray, InvalidValue, NoThreshold
 
 
@@ -173,7 +173,13 @@ class Monitor(Described):
         InvalidArray
             As from :meth:`filtered`.
         """
-        levels = [self.filtered(t, signal) for t, signal in runs]
+        wanted = "a list of pairs, times and values of each run"
+        levels = []
+        for run in listed("runs", runs, wanted):
+            pair = listed("runs", run, wanted)
+            if len(pair) != 2:
+                raise InvalidValue("runs", run, wanted)
+            levels.append(self.filtered(*pair))
         if not levels:
             raise InvalidValue("runs", [], "at least one run")
         self.threshold_ = float(np.quantile(np.concatenate(levels), self.quantile))

@@ -22,7 +22,7 @@ from fuzzy2.support.bounded_files import LARGEST_NUMBERS
 from fuzzy2.support.described import Described
 from fuzzy2.support.json_text import parse_json
 from fuzzy2.support.text_files import read_text, write_text
-from psp3.checks import Array
+from psp3.checks import Array, checked_count, checked_path
 from psp3.errors import InvalidArray, InvalidMapFile, InvalidValue, UnknownName
 from psp3.kinematics.singularities import Measures
 from psp3.kinematics.tasks import checked_task
@@ -171,9 +171,12 @@ class KinematicMap(Described):
 
         Raises
         ------
+        InvalidValue
+            If it is no path.
         fuzzy2.errors.FileNotWritten
             If the file cannot be written; what was there before remains.
         """
+        target = checked_path("path", path)
         content = {
             "format": FORMAT,
             "robot": self.robot,
@@ -187,8 +190,8 @@ class KinematicMap(Described):
             "grid": {name: values.tolist() for name, values in self.grid.items()},
             "arrays": {name: _written(array) for name, array in self.arrays().items()},
         }
-        write_text(json.dumps(content, allow_nan=False, ensure_ascii=False) + "\n", path)
-        return Path(path)
+        write_text(json.dumps(content, allow_nan=False, ensure_ascii=False) + "\n", target)
+        return target
 
     @classmethod
     def load(cls, path: str | Path, largest: int = LARGEST_NUMBERS) -> KinematicMap:
@@ -203,11 +206,14 @@ class KinematicMap(Described):
 
         Raises
         ------
+        InvalidValue
+            If it is no path.
         InvalidMapFile
             If the file is missing, larger than asked for, or not a whole map of this version.
         """
+        path = checked_path("path", path)
         try:
-            content = parse_json(read_text(path, largest))
+            content = parse_json(read_text(path, checked_count("largest", largest)))
         except OSError as error:
             raise InvalidMapFile(path, f"cannot be read ({error.strerror or error})") from error
         except ValueError as error:

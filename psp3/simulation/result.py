@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fuzzy2.support.described import Described
 from fuzzy2.support.text_files import written_whole
-from psp3.checks import Array, checked_path
+from psp3.checks import Array, checked_count, checked_path
 from psp3.errors import InvalidResultFile
 from psp3.simulation.array_files import LARGEST, arrays_of
 from psp3.trajectories.motion import Motion
@@ -154,7 +154,7 @@ def load_result(path: str | Path, largest: int = LARGEST) -> Result:
         If the file is missing, truncated, of another kind or version, larger than asked for, or its
         arrays do not fit together.
     """
-    path = checked_path("path", path)
+    path, largest = checked_path("path", path), checked_count("largest", largest)
     try:
         content: dict[str, Any] = dict(arrays_of(path, largest))
     except (OSError, ValueError) as error:

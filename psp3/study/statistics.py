@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from psp3.checks import Array, as_floats, known_name
+from psp3.checks import Array, as_floats, checked_random, known_name, overflow_refused
 from psp3.errors import InvalidArray, InvalidValue
 from psp3.study.intervals import CONFIDENCE as CONFIDENCE
 from psp3.study.intervals import MEASURED_COVERAGE as MEASURED_COVERAGE
@@ -160,6 +160,7 @@ def mean(values: ArrayLike, rng: np.random.Generator | None = None) -> Estimate:
 def median(values: ArrayLike, rng: np.random.Generator | None = None) -> Estimate:
     """Return the median with its percentile bootstrap interval; parameters as for :func:`mean`."""
     (row,) = _finite(values=values)
+    checked_random(rng)
     count = len(row)
     if count == 0:
         return _nothing("median")
@@ -236,14 +237,15 @@ def ratio_of_geometric_means(first: ArrayLike, second: ArrayLike) -> Estimate:
     for name, row in zip(("first", "second"), rows, strict=True):
         if not (row > 0.0).all():
             raise InvalidArray(name, "(N,), each positive", row)
-    name, logarithms = "ratio of geometric means", np.log(rows[0] / rows[1])
-    count = len(logarithms)
+    name, count = "ratio of geometric means", len(rows[0])
     if count == 0:
         return _nothing(name)
-    value = float(np.exp(logarithms.mean()))
-    if count == 1:
-        return Estimate(value, np.nan, np.nan, 1, name)
-    return _with(value, student_of_logarithms(logarithms), count, name)
+    with overflow_refused("the sizes of first and second"):
+        logarithms = np.log(rows[0] / rows[1])
+        value = float(np.exp(logarithms.mean()))
+        if count == 1:
+            return Estimate(value, np.nan, np.nan, 1, name)
+        return _with(value, student_of_logarithms(logarithms), count, name)
 
 
 def share(events: ArrayLike) -> Estimate:
@@ -451,11 +453,16 @@ def _studentized(
     x: Array, y: Array, logarithmic: bool, estimand: str, rng: np.random.Generator | None
 ) -> Estimate:
     """Return the ratio of the means of paired rows with its interval."""
+    checked_random(rng)
     count = len(x)
     if count == 0:
         return _nothing(estimand)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with (
+        overflow_refused("the sizes of the numbers"),
+        np.errstate(divide="ignore", invalid="ignore"),
+    ):
         value = float(x.mean() / y.mean())
     if count == 1:
         return Estimate(value, np.nan, np.nan, 1, estimand)
-    return _with(value, bootstrap_t(x, y, logarithmic, rng), count, estimand)
+    with overflow_refused("the sizes of the numbers"):
+        return _with(value, bootstrap_t(x, y, logarithmic, rng), count, estimand)

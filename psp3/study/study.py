@@ -33,7 +33,7 @@ from typing import Any
 from fuzzy2.support.described import Described
 from fuzzy2.support.one_thread import one_thread
 from fuzzy2.support.text_files import written_whole
-from psp3.checks import checked_count, checked_function, checked_kind, checked_path
+from psp3.checks import checked_count, checked_function, checked_path
 from psp3.errors import InvalidValue, RunsFailed, SchedulerUnavailable, StudyInterrupted
 from psp3.study import cluster
 from psp3.study.execution import execute
@@ -135,8 +135,6 @@ class Study(Described):
             After Ctrl-C, at whatever moment; a :class:`KeyboardInterrupt`. Runs that have begun
             are finished and kept.
         """
-        if scheduler is not None:
-            checked_kind("scheduler", scheduler, str, "an address, tcp://host:port")
         if progress is not None:
             checked_function("progress", progress)
         _check_workers(workers, scheduler)
@@ -278,12 +276,12 @@ def _threads(workers: int | None) -> Iterator[tuple[Executor, Callable[[], int]]
 
 
 def _check_workers(workers: int | None, scheduler: str | None) -> None:
-    if workers is not None and (
-        isinstance(workers, bool) or not isinstance(workers, int) or workers < 1
-    ):
-        raise InvalidValue("workers", workers, "a positive integer")
+    if workers is not None:
+        checked_count("workers", workers)
     if workers is not None and scheduler is not None:
         raise InvalidValue("workers", workers, "left out where a scheduler has its own")
+    if scheduler is not None:
+        cluster.host_and_port(scheduler)
 
 
 @contextmanager

@@ -19,7 +19,7 @@ from tempfile import TemporaryFile
 
 from fuzzy2.support.plain_data import plain
 from fuzzy2.support.text_files import made_folder, write_text
-from psp3.errors import InvalidValue
+from psp3.checks import MOST_SEEDS, checked_count
 from psp3.fuzzy_control.records import record
 from psp3.loading import load
 from psp3.published import DURATION, THESIS_SAMPLING_PERIOD
@@ -80,7 +80,7 @@ def reproduce(
     Raises
     ------
     InvalidValue
-        If ``seeds`` is not a whole number of at least 1.
+        If ``seeds`` is not a whole number from 1 to a million.
     fuzzy2.errors.FileNotWritten
         If the directory cannot be written to; before anything is computed.
     InvalidStudyFile, StudyMismatch, StudyInUse
@@ -89,8 +89,7 @@ def reproduce(
     StudyInterrupted
         After Ctrl-C; what was done is kept.
     """
-    if isinstance(seeds, bool) or not isinstance(seeds, int) or seeds < 1:
-        raise InvalidValue("seeds", seeds, "a whole number of at least 1")
+    checked_count("seeds", seeds, 1, MOST_SEEDS)
     directory = Path(out)
     made_folder(directory / "figures")
     # Nothing is left behind, and no file of the user's is taken for ours.

@@ -18,6 +18,7 @@ from psp3.cli.options import (
     Model,
     TorqueLimit,
     TrajectoryText,
+    file_path,
     listed,
     one_or_each,
     only_allowed,
@@ -67,6 +68,7 @@ def simulate(
     trained: Annotated[
         Path | None,
         typer.Option(
+            parser=file_path,
             metavar="FILE",
             help="A controller that psp3 train wrote, in place of --controller.",
             show_default=False,

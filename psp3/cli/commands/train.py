@@ -11,7 +11,7 @@ import typer
 
 from psp3.cli.joint_tables import joint_units
 from psp3.cli.option_groups import MotionOptions, single_options
-from psp3.cli.options import TrajectoryText, controller_output, only_allowed
+from psp3.cli.options import TrajectoryText, controller_output, file_path, only_allowed
 from psp3.cli.output import new_table, say, show
 from psp3.cli.robot_options import RobotOptions
 from psp3.cli.shared import gains_of_computed_torque, trajectory_from_options
@@ -116,6 +116,7 @@ def train(
         Path | None,
         typer.Option(
             "--record",
+            parser=file_path,
             metavar="FILE",
             help=(
                 "Learn from measured forces in place of M, C and G: a CSV file with the columns t, "

@@ -148,7 +148,7 @@ def test_nonsense_is_refused_before_there_is_a_file(
 
 @pytest.mark.parametrize("workers", [0, -1, 1.5, True])
 def test_number_of_workers_is_a_positive_integer(path: Path, workers: Any) -> None:
-    with pytest.raises(InvalidValue, match="workers must be a positive integer"):
+    with pytest.raises(InvalidValue, match="workers must be a whole number of at least 1"):
         Study(path, grid()).run(workers)
     assert not path.exists()
 
