@@ -145,7 +145,7 @@ class WordsOfSearch(SphinxTransform):
         words = SEARCHED.get(self.env.docname, ())
         if words:
             target = nodes.target("", "", ids=["searched"])
-            entries = [("single", word, "searched", "", None) for word in words]
+            entries = [("single", word, "searched", "main", None) for word in words]
             self.document.insert(0, [index(entries=entries, inline=False), target])
 
 
