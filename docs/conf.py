@@ -5,38 +5,38 @@ Run by ``make docs``, or ``sphinx-build -W docs results/docs``. No network is ne
 
 from __future__ import annotations
 
+import base64
 import html
 import importlib
-import pkgutil
+import json
 import re
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 from docutils import nodes
-from docutils.utils.math import MathError
-from docutils.utils.math.latex2mathml import tex2mathml
-from sphinx.addnodes import pending_xref
+from sphinx.addnodes import index, pending_xref
 from sphinx.application import Sphinx
+from sphinx.ext.autodoc.mock import mock
+from sphinx.transforms import SphinxTransform
 from sphinx.transforms.post_transforms import SphinxPostTransform
-from sphinx.util import logging
 from sphinx.util.nodes import make_refnode
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
+sys.path.insert(0, str(HERE))
 
-import fuzzy2  # noqa: E402
-import psp3  # noqa: E402
+from reference_pages import pages  # noqa: E402
+
+from psp3.version import __version__  # noqa: E402
 
 project = "psp3 and fuzzy2"
 author = "The psp3 developers"
 copyright = author
-version = release = psp3.__version__
+version = release = __version__
 
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
-exclude_patterns = ["_build", "pictures", "**/.ipynb_checkpoints"]
+exclude_patterns = ["_build", "pictures", "play", "**/.ipynb_checkpoints"]
 
 # Notebooks are committed with their outputs and executed by the tests. Widgets need a kernel;
 # without one their pictures remain.
@@ -59,42 +59,22 @@ html_theme = "furo"
 html_title = project
 html_static_path = ["_static"]
 html_css_files = ["narrow.css"]
-html_math_renderer = "mathml"
+html_extra_path = [str(HERE / "play" / "play.html")]
+html_math_renderer = "formula"
 html_show_copyright = False
 html_copy_source = False
 
-PACKAGES = (psp3, fuzzy2)
 API, NOTEBOOKS = HERE / "api", HERE / "notebooks"
 
 
-def modules(package: Any) -> Iterator[str]:
-    """Yield the names of a package's public modules."""
-    for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
-        if not module.name.rpartition(".")[2].startswith("_"):
-            yield module.name
-
-
-def write_api_pages(app: Sphinx) -> None:
-    """Write a page for every module, before Sphinx looks for pages."""
+def write_reference(app: Sphinx) -> None:
+    """Write the pages of the reference before Sphinx looks for pages."""
     API.mkdir(exist_ok=True)
-    pages = {}
-    for package in PACKAGES:
-        name, names = package.__name__, list(modules(package))
-        toctree = "\n".join(f"   {module}" for module in names)
-        homes = "\n".join(f"- ``{name}.{public}``" for public in sorted(package.__all__))
-        pages[name] = (
-            f"{name}\n{'=' * len(name)}\n\n.. automodule:: {name}\n\nImported by name\n"
-            f"----------------\n\n{homes}\n\n"
-            f"Modules\n-------\n\n.. toctree::\n   :maxdepth: 1\n\n{toctree}\n"
-        )
-        for module in names:
-            pages[module] = (
-                f"{module}\n{'=' * len(module)}\n\n.. automodule:: {module}\n   :members:\n"
-                "   :show-inheritance:\n"
-            )
-    for stale in {page.stem for page in API.glob("*.rst")} - set(pages):
+    with mock(autodoc_mock_imports):
+        written = pages()
+    for stale in {page.stem for page in API.glob("*.rst")} - set(written):
         (API / f"{stale}.rst").unlink()
-    for name, text in pages.items():
+    for name, text in written.items():
         page = API / f"{name}.rst"
         if not page.exists() or page.read_text(encoding="utf-8") != text:
             page.write_text(text, encoding="utf-8")
@@ -109,9 +89,79 @@ def copy_notebooks(app: Sphinx) -> None:
     for stale in {copy.name for copy in NOTEBOOKS.glob("*.ipynb")} - set(originals):
         (NOTEBOOKS / stale).unlink()
     for name, original in originals.items():
-        copy = NOTEBOOKS / name
-        if not copy.exists() or copy.read_bytes() != original.read_bytes():
-            copy.write_bytes(original.read_bytes())
+        copy, content = NOTEBOOKS / name, with_pictures_beside(original)
+        if not copy.exists() or copy.read_text(encoding="utf-8") != content:
+            copy.write_text(content, encoding="utf-8")
+
+
+def with_pictures_beside(original: Path) -> str:
+    """Return a notebook whose attached pictures are files: attachments MyST-NB does not know."""
+    notebook = json.loads(original.read_text(encoding="utf-8"))
+    for cell in notebook["cells"]:
+        for picture, content in cell.pop("attachments", {}).items():
+            file = NOTEBOOKS / f"{original.stem}_{picture}"
+            data = base64.b64decode(content["image/png"])
+            if not file.exists() or file.read_bytes() != data:
+                file.write_bytes(data)
+            cell["source"] = [
+                line.replace(f"attachment:{picture}", file.name) for line in cell["source"]
+            ]
+    return json.dumps(notebook, ensure_ascii=False, indent=1) + "\n"
+
+
+SEARCHED = {
+    "robot_files": ("URDF", "MJCF", "SDF", "SRDF", "robot files", "mimic"),
+    "how_to/any_robot": (
+        "closed chains",
+        "closed loops",
+        "parallel robots",
+        "Stewart platform",
+        "Gough–Stewart platform",
+        "hexapod",
+        "Delta robot",
+        "five-bar linkage",
+    ),
+    "how_to/constrained_inverse_dynamics": ("inverse dynamics of closed chains",),
+    "how_to/export": ("C code", "code generation", "microcontroller", "C99"),
+    "how_to/fmu": ("FMU", "FMI", "Simulink", "co-simulation"),
+    "how_to/anfis": ("ANFIS",),
+    "how_to/files": ("fis file", "FML", "fuzzy files"),
+    "how_to/studies": ("confidence intervals",),
+    "how_to/optimal_control": ("CasADi", "trajectory optimization"),
+    "how_to/collisions_and_task_space": ("collisions", "task space"),
+    "coming_from/matlab": ("MATLAB", "Fuzzy Logic Toolbox"),
+    "api/command_line": ("command line", "CLI"),
+}
+"""Words that people search for, with the page that should come first."""
+
+
+class WordsOfSearch(SphinxTransform):
+    """Put the words of :data:`SEARCHED` into the index of their page, which the search prefers."""
+
+    default_priority = 500
+
+    def apply(self, **kwargs: Any) -> None:
+        """Add one index node with all words, which leads to the beginning of the page."""
+        words = SEARCHED.get(self.env.docname, ())
+        if words:
+            target = nodes.target("", "", ids=["searched"])
+            entries = [("single", word, "searched", "", None) for word in words]
+            self.document.insert(0, [index(entries=entries, inline=False), target])
+
+
+MOTIONS = {"controllers": "3-PSP under two controllers", "delta": "Delta"}
+"""Recorded motions, see ``docs/play/make_play.py``, and the titles of their pages."""
+
+
+def write_motions(app: Sphinx, error: Exception | None) -> None:
+    """Write a page of each recorded motion, with MeshCat in it, beside the pages of the text."""
+    from psp3.visualize.scene import page
+
+    if error is not None or app.builder.format != "html":
+        return
+    for name, title in MOTIONS.items():
+        commands = (HERE / "play" / f"{name}.json").read_text(encoding="utf-8")
+        (Path(app.outdir) / f"motion_{name}.html").write_text(page(commands, title), "utf-8")
 
 
 class LinkNames(SphinxPostTransform):
@@ -188,69 +238,42 @@ def home_of(name: str) -> str:
     return ".".join([module, public, *rest]) if module else name
 
 
-# What docutils does not know: sizes and operators, which need no command here, and dots.
-UNKNOWN_COMMANDS = (
-    (r"\\(?:mathop|[bB]igg?[lr]?)(?![a-zA-Z])", ""),
-    (r"\\dots(?![a-zA-Z])", r"\\ldots"),
-)
+def formula(translator: Any, node: nodes.Element) -> None:
+    """Write an equation as TeX, which KaTeX draws in the browser.
 
-
-ACCENTS = frozenset("˙¨ˆ˜~^_¯ˇ→")
-MATHML = "http://www.w3.org/1998/Math/MathML"
-
-
-def accents_above(markup: str) -> str:
-    """Return MathML in which accents are above their letters and indices beside them.
-
-    Docutils puts the index of an accented letter below it; and an accent that is marked as one is
-    drawn into the letter by browsers that find no mathematical font.
+    Its script and fonts are in ``_static/katex``: no network, and no font of the reader's machine.
+    An equation of several lines without an environment is aligned at its signs.
     """
-    ElementTree.register_namespace("", MATHML)
-    root = ElementTree.fromstring(
-        re.sub(r"&(?!lt;|gt;|amp;|#)\w+;", lambda entity: html.unescape(entity[0]), markup)
-    )
-    for element in root.iter():
-        parts, kind = list(element), element.tag.removeprefix(f"{{{MATHML}}}")
-        if kind not in ("mover", "munderover") or parts[-1].text not in ACCENTS:
-            continue
-        for marked in (element, parts[-1]):
-            marked.attrib.pop("accent", None)
-        if kind == "munderover":
-            letter, index, accent = parts
-            accented = ElementTree.Element(f"{{{MATHML}}}mover")
-            accented.extend([letter, accent])
-            element.tag = f"{{{MATHML}}}msub"
-            element[:] = [accented, index]
-    return ElementTree.tostring(root, encoding="unicode")
-
-
-def mathml(translator: Any, node: nodes.Element, as_block: bool) -> None:
-    """Write an equation as MathML, which browsers show by themselves: no script, no network."""
-    equation = node.astext()
-    for command, substitute in UNKNOWN_COMMANDS:
-        equation = re.sub(command, substitute, equation)
-    try:
-        markup = accents_above("".join(tex2mathml(equation, as_block=as_block)))
-    except (MathError, AttributeError) as error:
-        # The second is how the library stumbles over a row that ends outside of an array.
-        logging.getLogger(__name__).warning(
-            "equation cannot be written as MathML: %s", error, location=node
-        )
-        raise nodes.SkipNode from None
+    equation, as_block = node.astext().strip(), isinstance(node, nodes.math_block)
+    if as_block:
+        parts = [part.strip() for part in re.split(r"\n\s*\n", equation)]
+        equation = r" \\ ".join(parts)
+        if r"\\" in equation and not equation.startswith(r"\begin"):
+            equation = rf"\begin{{aligned}} {equation} \end{{aligned}}"
+    text = html.escape(equation)
     translator.body.append(
-        f'<div class="equation" tabindex="0">{markup}</div>' if as_block else markup
+        f'<div class="formula" tabindex="0">{text}</div>'
+        if as_block
+        else f'<span class="formula">{text}</span>'
     )
     raise nodes.SkipNode
 
 
+def add_katex(app: Sphinx, page: str, template: str, context: dict[str, Any], tree: Any) -> None:
+    """Load KaTeX on pages that have formulas."""
+    if 'class="formula"' in context.get("body", ""):
+        app.add_css_file("katex/katex.min.css")
+        app.add_js_file("katex/katex.min.js")
+        app.add_js_file("katex/draw.js")
+
+
 def setup(app: Sphinx) -> dict[str, bool]:
     """Register what is defined here."""
-    app.connect("builder-inited", write_api_pages)
+    app.connect("builder-inited", write_reference)
     app.connect("builder-inited", copy_notebooks)
+    app.connect("build-finished", write_motions)
+    app.connect("html-page-context", add_katex)
+    app.add_transform(WordsOfSearch)
     app.add_post_transform(LinkNames)
-    app.add_html_math_renderer(
-        "mathml",
-        (lambda translator, node: mathml(translator, node, as_block=False), None),
-        (lambda translator, node: mathml(translator, node, as_block=True), None),
-    )
+    app.add_html_math_renderer("formula", (formula, None), (formula, None))
     return {"parallel_read_safe": True, "parallel_write_safe": True}

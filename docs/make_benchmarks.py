@@ -21,12 +21,12 @@ HEAD = """# Benchmarks
 *Written by `docs/make_benchmarks.py` from the results of `make bench` of {date}; do not edit. \
 Versions: {versions}.*
 
-Times depend on the machine and on what else it does. Every function of a table was timed in turn \
-with the others, in many short samples of
-which the median counts, so what is slow hits all alike: compare the times of a table with each \
-other, not with those of another machine. An
-empty compiled call is what calling anything compiled from Python costs here, before anything is \
-computed. Measure on your own machine with
+Times depend on the machine and on what else runs on it. The functions of a table were timed in \
+turn, in many short samples, and the tables
+have the medians. So a slow machine slows all of them alike: compare times within a table, not \
+with those of another machine. "Empty compiled
+call" is the cost of any compiled call from Python, before anything is computed. To measure on \
+your own machine, run
 
 ```sh
 make bench && python docs/make_benchmarks.py
@@ -35,18 +35,20 @@ make bench && python docs/make_benchmarks.py
 
 ROBOT = """## The robot
 
-One call from Python at one state. The same tree in Pinocchio and MuJoCo does not close the loops \
-where "tree only" is said. The two other
-implementations of the equation of motion are there to be compared with, not for speed: they close \
-the loops by iteration from home, in NumPy.
+Each row is one call from Python at one state. "Tree only" means that Pinocchio or MuJoCo computes \
+the same tree without closing the loops.
+The other two implementations of the equation of motion are for comparison and not for speed: they \
+close the loops by iteration from home, in
+NumPy.
 
 {table}
 
 A simulation of 10 s at 2 ms with Runge–Kutta steps takes {simulations}.
 
-Inverse dynamics of a batch, a state: by the kernel of single calls, state by state; by the one \
-that takes several states in one instruction,
-on one core, and on all {cores} where that pays. CPU time is that of all threads.
+The next table has the time of inverse dynamics for each state of a batch. "State by state" uses \
+the kernel of single calls. "Many states" uses
+a kernel that computes several states in one instruction, on one core, or on all {cores} where \
+that pays. CPU time is the sum over all threads.
 
 {batches}
 """
@@ -58,17 +60,17 @@ control period of 2 ms.
 
 {table}
 
-The thesis gives 255 ms for a step of computed torque with the exact model, and learned a model \
-because of that.
+The thesis measured 255 ms for a step of computed torque with the exact model, and learned a model \
+for this reason.
 
 Whole runs of 10 s in a study, learning included, on one core: {runs}.
 """
 
 FUZZY = """## Type-2 inference
 
-4 inputs with 2 Gaussian terms each, 16 rules, 21 outputs, center of sets. Peers that could be \
-imported solve the same system, with equal
-outputs.
+The system has 4 inputs with 2 Gaussian terms each, 16 rules, 21 outputs, and center of sets. \
+Other libraries that could be imported solve the
+same system, with equal outputs.
 
 {table}
 
@@ -80,21 +82,22 @@ Time of an exact centroid of an interval type-2 set on a grid, by the number of 
 
 {centroids}
 
-A batch takes {bytes} bytes of memory an item beyond its inputs; `import fuzzy2` adds {seconds} to \
-`import numpy`, because
-nothing is imported before it is used; with a first centroid it is {first}.
+A batch takes {bytes} bytes of memory for each item beyond its inputs. `import fuzzy2` adds \
+{seconds} to `import numpy`, because nothing is
+imported before it is used. With a first centroid it adds {first}.
 """
 
 
 GENERAL = """## Robots with loops in general
 
-CPU time of one call from Python near the reference pose, positions moving by 0.2 mm or mrad from \
-call to call (the 3-PSP without its
-closed form). Ours are exact: the loops are closed to rounding in every call, from the reference \
-pose or from the pose of the call before.
-MuJoCo has its loops as soft constraints, exported as [engines](engines.md) says; Drake, where it \
-is installed, takes one step of 2 ms with
-its loops in the contact solver; Pinocchio's `constraintDynamics` is given a closed pose.
+The table has the CPU time of one call from Python near the reference pose. Positions move by \
+0.2 mm or mrad from call to call. The 3-PSP is
+computed without its closed form. Our functions close the loops to rounding error in every call, \
+starting from the reference pose or from the
+pose of the call before. MuJoCo has loops as soft constraints, exported as on the page \
+[engines](engines.md). Drake, where it is installed, takes
+one step of 2 ms with its loops in the contact solver. Pinocchio's `constraintDynamics` gets a \
+pose that is already closed.
 
 {robots}
 
@@ -102,7 +105,7 @@ Over the robots `inverse_dynamics` takes {inverse} × and `forward_dynamics` {fo
 `mj_forward` takes (geometric means, from the
 pose before).
 
-Chains of five-bars, each standing on the tip of the one before:
+The next table has chains of five-bars, each on the tip of the one before:
 
 {chains}
 

@@ -57,15 +57,15 @@ ESTIMATES: dict[str, Callable[[Array, Array], Estimate]] = {
     "ratio of geometric means": lambda one, other: ratio_of_geometric_means(other, one),
 }
 
-TEXT = """# What an interval of 95 % is worth
+TEXT = """# How far to trust a 95 % interval
 
 *Written by `docs/make_intervals.py`; do not edit.*
 
-Errors of runs are skewed: most are small, some are large. An interval of 95 % that was made for
-normal numbers, or for many, holds the true value less often than it says. Every `Estimate` of
-`psp3.study.statistics` names what it estimates (`estimand`) and how its interval was found
-(`method`). How often these intervals held the true value in {sets} simulated sets of pairs like
-those of the study is here; a share is uncertain by {error:.1f} %.
+Errors of runs are skewed: most are small, some are large. A 95 % interval that was made for
+normal numbers, or for many numbers, contains the true value less often than it says. Every
+`Estimate` of `psp3.study.statistics` names what it estimates (`estimand`) and how its interval was
+found (`method`). The table says how often these intervals contained the true value in {sets}
+simulated sets of pairs like those of the study. Each share is uncertain by {error:.1f} %.
 
 {table}
 
@@ -74,23 +74,23 @@ The pairs are lognormal. Logarithms of the sums of squared errors have the stand
 
 - **Ratio of geometric means**, `ratio_of_geometric_means`: by what factor one controller changes
   the error of a typical run. Student's interval of the logarithms by seed is exact for lognormal
-  pairs, so here it shows nothing but chance; it needs logarithms that are near to normal. Ask
-  this if you ask which controller is better with the same noise.
+  pairs, so here its row shows only chance. It needs logarithms that are nearly normal. Use
+  it to ask which controller is better with the same noise.
 - **Ratio of means**, `ratio_of_means`: how much error one controller has in all runs together,
   over the other. Runs with large errors decide. This is another number: with the pairs of
-  20 dB it is {ratio:.2f}, and that of geometric means {typical:.2f}. The interval of one is none
-  of the other.
+  20 dB it is {ratio:.2f}, and that of geometric means {typical:.2f}. An interval of one is not
+  an interval of the other.
 - **Mean** and **difference of means**: the interval is a symmetric bootstrap-t (P. Hall, 1988):
-  the distances of resamples from the estimate are measured in their own standard errors, and what
-  95 % of them, whatever their sign, do not exceed is the reach of the interval. Means and ratios
-  of positive numbers are treated on logarithms. The misses are not even: of the intervals of a
-  mean most that miss lie below it.
+  the distances of resamples from the estimate are measured in their own standard errors, and the
+  half-width is what 95 % of them do not exceed, whatever their sign. Means and ratios of positive
+  numbers are treated on logarithms. The misses are not symmetric: most intervals of a mean that
+  miss it lie below it.
 - **Median**: percentiles of the bootstrap.
 
-Means and differences with ten seeds are short of 95 %, and what is more skewed than these pairs,
-as a metric with single runs that nearly diverge, must be expected to be shorter still. Where you
-can choose, take thirty seeds and the ratio of geometric means. Runs that diverged are left out of
-all of these, which no interval knows of; their share is printed beside them.
+Intervals of means and differences with ten seeds contain the true value in less than 95 %. For
+numbers that are more skewed than these pairs, such as a metric with single runs that nearly
+diverge, expect still less. If you can choose, take thirty seeds and the ratio of geometric means.
+All intervals leave out runs that diverged; their share is printed beside them.
 """
 
 

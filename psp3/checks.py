@@ -9,7 +9,6 @@ import contextlib
 import decimal
 import math
 import numbers
-import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, cast
@@ -17,6 +16,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fuzzy2.support.checks import is_path
 from psp3.errors import InvalidArray, InvalidValue, UnknownName
 
 MOST = 2**63 - 1
@@ -194,26 +194,38 @@ def checked_not_negative(name: str, value: object) -> float:
     return number
 
 
-def checked_count(name: str, value: object, least: int = 1) -> int:
+def checked_count(name: str, value: object, least: int = 1, most: int = MOST) -> int:
     """Return a whole number.
 
-    Raise :class:`InvalidValue` if it is none, less than the least one, or more than can be counted.
+    Raise :class:`InvalidValue` if it is none, less than the least one or more than the greatest.
     """
     if (
         isinstance(value, bool)
         or not isinstance(value, int | np.integer)
-        or not least <= value <= MOST
+        or not least <= value <= most
     ):
         is_too_large = isinstance(value, int | np.integer) and value > MOST
         wanted = "less than 2**63" if is_too_large else f"a whole number of at least {least}"
+        if most < MOST:
+            wanted = f"a whole number from {least} to {most}"
         raise InvalidValue(name, value, wanted)
     return int(value)
 
+
+MOST_SEEDS = 1_000_000
+"""More random runs of one kind than this are a slip of the pen, and no memory holds them."""
 
 MOST_STEPS = 10_000
 """Integration steps in a control period at most: a compiled period hears no Ctrl-C, and so many
 take half a second of a robot with many loops.
 """
+
+
+def check_periods(duration: float, period: float, most: float) -> None:
+    """Raise :class:`InvalidValue` if a time has more control periods than memory holds."""
+    if not duration / period <= most:
+        wanted = f"at most {most:.0e} periods of {period} s, which fit into memory"
+        raise InvalidValue("duration", duration, wanted)
 
 
 def checked_steps(value: object) -> int:
@@ -244,12 +256,22 @@ def checked_robot(robot: Any) -> None:
 
 def checked_path(name: str, path: object) -> Path:
     """Return a path; raise :class:`InvalidValue` if it is neither text nor a path."""
-    wanted = "the path of a file, as text or pathlib.Path"
-    checked_kind(name, path, (str, os.PathLike), wanted)
-    found = Path(cast("str | os.PathLike[str]", path))
-    if "\0" in str(found):
-        raise InvalidValue(name, path, wanted)
-    return found
+    if not is_path(path):
+        raise InvalidValue(name, path, "the path of a file, as text or pathlib.Path")
+    return Path(cast("str | Path", path))
+
+
+def is_text(value: object) -> bool:
+    """Tell whether something is text that UTF-8 can hold, and with it libraries in C++.
+
+    Names from a command line that are no UTF-8 have halves of characters.
+    """
+    if not isinstance(value, str):
+        return False
+    with contextlib.suppress(UnicodeEncodeError):
+        value.encode()
+        return True
+    return False
 
 
 def checked_names(name: str, names: object) -> tuple[str, ...]:
@@ -261,7 +283,7 @@ def checked_names(name: str, names: object) -> tuple[str, ...]:
     if isinstance(names, Iterable) and not isinstance(names, str | bytes | Mapping):
         with contextlib.suppress(TypeError):  # an array without dimensions
             listed = tuple(names)
-    if listed is None or not all(isinstance(one, str) for one in listed):
+    if listed is None or not all(map(is_text, listed)):
         raise InvalidValue(name, names, f"a list of names; of a single one [{name}]")
     return listed
 
@@ -296,6 +318,12 @@ def overflow_refused(what: str) -> Iterator[None]:
     except (FloatingPointError, OverflowError) as error:
         wanted = "of such a size that results are numbers; check the units"
         raise InvalidValue(what, str(error), wanted) from error
+
+
+def checked_truth(name: str, value: object) -> bool:
+    """Return True or False; raise :class:`InvalidValue` if something is neither."""
+    checked_kind(name, value, (bool, np.bool_), "True or False")
+    return bool(value)
 
 
 def checked_random(rng: object) -> None:

@@ -101,8 +101,8 @@ class UnreachableTip(PSP3Error, ValueError):
         self.tip, self.radius, self.azimuth, self.reach = tip, radius, azimuth, reach
         super().__init__(
             f"tip {_numbers(tip)} m is {1e3 * radius:.1f} mm from the vertical axis at azimuth "
-            f"{np.degrees(azimuth):.1f} degrees, where the robot reaches {1e3 * reach:.1f} mm; "
-            "choose a smaller radius"
+            f"{np.degrees(azimuth):.1f} degrees, where the robot reaches {1e3 * reach:.1f} mm: "
+            "bring it nearer to the axis (of a helix or circle choose a smaller radius)"
         )
 
 
@@ -154,7 +154,7 @@ class ClosureFailed(PSP3Error, ValueError):
             f"the loops could not be closed {where}: the way "
             f"from the reference pose ends after {100 * reached:.0f} %, and at its goal they "
             f"would be open by {residual:.3g} (m, rad); the pose is outside the workspace or "
-            "past a singularity"
+            "past a singularity: ask for one nearer to the reference pose"
         )
 
 
@@ -196,7 +196,7 @@ class JointLimitExceeded(PSP3Error, ValueError):
         self.joint, self.position, self.lower, self.upper = joint, position, lower, upper
         super().__init__(
             f"the loops close with joint {joint!r} at {position:.6g}, outside its limits "
-            f"{lower:.6g} to {upper:.6g} (m, rad)"
+            f"{lower:.6g} to {upper:.6g} (m, rad): ask for a pose nearer to the reference pose"
         )
 
 

@@ -46,10 +46,10 @@ def load(
         ``"five_bar"``, ``"planar_3rrr"``, ``"delta"``, ``"gough_stewart"`` or ``"tricept"`` of the
         thesis, or one of what people build: ``"planar_4rrr"``, ``"jansen"``, ``"agile_eye"``,
         ``"hexa"``, ``"gripper"`` or ``"biped"`` (``urdf/README.md`` describes them); or a file that
-        ends in ``.urdf``, ``.xml``, ``.mjcf``, ``.sdf`` or ``.world``. What is in it, its outermost
-        element says, unless it ends as an SDF. Beside ``my.urdf`` the files ``my.yaml``, its loops,
-        and ``my.srdf``, its poses, are used where they are and ``loops`` and ``srdf`` are not
-        given.
+        ends in ``.urdf``, ``.xml``, ``.mjcf``, ``.sdf`` or ``.world``. Its outermost element
+        decides what it is, unless it ends as an SDF. Beside ``my.urdf`` the files ``my.yaml``, its
+        loops, and ``my.srdf``, its poses, are used where they are and ``loops`` and ``srdf`` are
+        not given.
     parameters : str or Parameters
         Numbers of the 3-PSP: ``"default"``, ``"table_3_1"``, ``"table_5_1"`` (see
         :mod:`psp3.three_psp.parameters`) or your own. The other robots have those of their files

@@ -1,14 +1,20 @@
 """Compile every kernel once, so that the first user of a fresh installation does not wait.
 
-Run by ``python -m psp3.warm_up``.
+Run by ``psp3 warm-up``, and by ``python -m psp3.warm_up``, which first removes what was compiled of
+other sources.
 """
 
 from __future__ import annotations
 
 import logging
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+import fuzzy2
+import psp3
+from fuzzy2.support.code_folder import forget_code
 
 logger = logging.getLogger(__name__)
 
@@ -157,4 +163,6 @@ def _warm_up_fuzzy_systems() -> None:
 
 if __name__ == "__main__":
     logging.basicConfig(level=logging.INFO, format="%(message)s")
+    # Code of before is not used (fuzzy2/support/code_files.py), but would stay on the disk.
+    forget_code(*(Path(next(iter(package.__path__))) for package in (psp3, fuzzy2)))
     warm_up()

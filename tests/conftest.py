@@ -5,6 +5,7 @@ Nothing here, and no test, is bounded by a clock: a busy machine is slow, not wr
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,12 +15,22 @@ from hypothesis import HealthCheck, settings
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 
+from fuzzy2.support import announcements
+
 # The first call of a compiled kernel takes up to seconds on a fresh machine, and a busy machine is
 # slow in making examples too. Neither is a property of the example at hand.
+# Examples are the same in every run, so that a run fails for what has changed; the thorough profile
+# looks for new ones.
 settings.register_profile(
-    "working", deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True
+    "working",
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow],
+    print_blob=True,
+    derandomize=True,
 )
-settings.register_profile("thorough", settings.get_profile("working"), max_examples=300)
+settings.register_profile(
+    "thorough", settings.get_profile("working"), max_examples=300, derandomize=False
+)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "working"))
 
 # Workers of pytest-xdist share the cores; threads of BLAS on top take time from one another, and
@@ -39,6 +50,9 @@ for name in (
     "TTY_INTERACTIVE",
 ):
     os.environ.pop(name, None)
+
+# Nor is anybody told what is compiled on the way, which depends on what was run before.
+announcements.TOLD = math.inf
 
 CHROMIUM, DRIVER = Path("/usr/bin/chromium"), Path("/usr/bin/chromedriver")
 

@@ -5,17 +5,26 @@ mistake (:func:`mistakes`), and by the same numbers in another form (:func:`othe
 must be refused by an error of the project, with a message that can be shown; a number that is only
 very large or very small may also be computed with, if what comes of it is finite. Another form must
 give the very same numbers. No argument is ever written to.
+
+All calls of all tables take minutes. Unless ``MISUSE=all`` stands in the environment (``make
+misuse``), one of :data:`PARTS` is made: the good call always, and of the others those whose names
+have a checksum that :data:`SEED` chooses, the same ones in every run. Each argument of each
+callable is tried, whatever the sample.
 """
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import dataclasses
 import importlib
 import inspect
 import math
+import os
 import pkgutil
+import tempfile
 import warnings
+import zlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from types import ModuleType
@@ -23,7 +32,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fuzzy2.errors import RaisedOnPurpose
+from fuzzy2.errors import RaisedOnPurpose, in_words
 
 LONGEST_MESSAGE = 3000
 """More than this is no message but a listing [characters]."""
@@ -32,6 +41,12 @@ ONLY_UNUSUAL = ("huge", "tiny", "true", "huge entries", "tiny entries", "true en
 """Numbers like any other: an answer to them is no fault if it is finite."""
 
 ROUNDS = (np.float32, np.int64)
+
+PARTS = 1 if os.environ.get("MISUSE") == "all" else 8
+"""One of so many wrong calls is made."""
+
+SEED = 18
+"""Which ones: another number, another sample."""
 
 
 class Call(NamedTuple):
@@ -87,9 +102,9 @@ def mistakes(good: Any) -> Iterator[tuple[str, Any]]:
 
 def _wrong_entries(array: np.ndarray[Any, Any]) -> Iterator[tuple[str, Any]]:
     """Yield arrays of the right shape with one wrong entry, or all of a wrong kind."""
-    for name, value in (("NaN entry", math.nan), ("infinite entry", math.inf)):
+    for name, number in (("NaN entry", math.nan), ("infinite entry", math.inf)):
         wrong = array.copy()
-        wrong.flat[-1] = value
+        wrong.flat[-1] = number
         yield name, wrong
     for name, value in (
         ("None entry", None),
@@ -205,30 +220,40 @@ def outcome(call: Call, arguments: Mapping[str, Any]) -> Outcome:
     return result._replace(fault=f"wrote to {', '.join(written)}") if written else result
 
 
-def faults(name: str, call: Call) -> list[str]:
-    """Return what is wrong with a callable, one line a fault."""
+def faults(name: str, call: Call, parts: int = PARTS) -> list[str]:
+    """Return what is wrong with a callable, one line a fault; one of so many calls is made.
+
+    What a call writes to a name that was meant as a mistake goes to a folder that is empty before
+    and gone after.
+    """
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+        return list(_faults(name, call, parts))
+
+
+def _faults(name: str, call: Call, parts: int) -> Iterator[str]:
     good = outcome(call, call.arguments)
     if good.numbers is None or good.fault:
-        return [f"{name}: good arguments: {good.fault or good.error!r}"]
-    found = []
+        yield f"{name}: good arguments: {good.fault or good.error!r}"
+        return
     for argument, value in call.arguments.items():
-        for mistake, wrong in mistakes(value):
+        for mistake, wrong in sample(f"{name} {argument}", mistakes(value), parts):
             fault = _fault_of_mistake(call, argument, mistake, wrong)
             if fault:
-                found.append(f"{name}: {argument} = {mistake}: {fault}")
-        for form, changed, plain in other_forms(value):
+                yield f"{name}: {argument} = {mistake}: {fault}"
+        for form, changed, plain in sample(f"{name} {argument} as", other_forms(value), parts):
             fault = _fault_of_form(call, argument, changed, plain)
             if fault:
-                found.append(f"{name}: {argument} as {form}: {fault}")
-    return found
+                yield f"{name}: {argument} as {form}: {fault}"
 
 
-def tries(call: Call) -> int:
-    """Return how many calls :func:`faults` makes with something else than the good arguments."""
-    return sum(
-        len(list(mistakes(value))) + len(list(other_forms(value)))
-        for value in call.arguments.values()
-    )
+def sample(where: str, cases: Iterable[Any], parts: int) -> Iterator[Any]:
+    """Yield one of so many cases, each a tuple that begins with its name, and one at least."""
+    kept = list(cases)
+    numbers = [zlib.crc32(f"{SEED} {where} {case[0]}".encode()) for case in kept]
+    first = min(range(len(kept)), key=numbers.__getitem__, default=0)
+    for place, case in enumerate(kept):
+        if place == first or numbers[place] % parts == 0:
+            yield case
 
 
 def public_packages(root: ModuleType) -> list[ModuleType]:
@@ -261,6 +286,20 @@ def public_callables(packages: Iterable[ModuleType]) -> dict[str, Any]:
                 found[name] = thing
                 found |= {f"{name}.{method}": function for method, function in methods_of(thing)}
     return {name: thing for name, thing in found.items() if parameters_of(thing)}
+
+
+def without_arguments(package: ModuleType) -> set[str]:
+    """Return the names of a facade that no table can have: what is no callable with parameters.
+
+    Errors and warnings are left out, too: they are raised, and not called.
+    """
+    tried = {name.partition(".")[0] for name in public_callables([package])}
+    things = {name: getattr(package, name) for name in set(package.__all__) - tried}
+    return {
+        name
+        for name, thing in things.items()
+        if not (inspect.isclass(thing) and issubclass(thing, BaseException))
+    }
 
 
 def methods_of(kind: type) -> Iterator[tuple[str, Any]]:
@@ -332,7 +371,7 @@ def _fault_of_message(error: BaseException) -> str:
 
 
 def _shown(numbers: list[np.ndarray[Any, Any]]) -> str:
-    return " ".join(str([array.tolist() for array in numbers])[:100].split())
+    return in_words([array.tolist() for array in numbers])[:100]
 
 
 def _kept(value: Any) -> Any:
@@ -353,5 +392,5 @@ def _same(before: Any, after: Any) -> bool:
             )
         )
     if is_numbers(before):
-        return bool(before == after)
+        return bool(np.array_equal(before, after))
     return not isinstance(before, list) or list(map(id, before)) == list(map(id, after))

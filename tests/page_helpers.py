@@ -22,6 +22,33 @@ WIDTH, HEIGHT = 400, 312
 SCREENSHOTS = Path(__file__).parents[1] / "results" / "screenshots"
 """Where pictures for people are kept; git ignores results/."""
 
+PHONE, DESKTOP = (390, 844), (1440, 900)
+SIZES = (PHONE, (800, 600), DESKTOP)
+"""Windows in which pages are looked at [pixels]: of a phone, of a small and of a common screen."""
+
+STICKING_OUT = """
+document.querySelectorAll("details").forEach((one) => { one.open = true; });
+const found = [], width = document.documentElement.clientWidth, range = document.createRange();
+const words = (one) => one.textContent.trim().slice(0, 40);
+const say = (what, one) => found.push(`${what}: <${one.tagName}> ${words(one)}`);
+if (document.documentElement.scrollWidth > innerWidth) found.push("the page scrolls sideways");
+for (const one of document.body.querySelectorAll("*")) {
+  // MeshCat's own controls end a little beyond the stage.
+  if (one.closest("script, style, .dg") || one.id === "stage") continue;
+  const box = one.getBoundingClientRect();
+  if (!box.width) continue;
+  if (box.right > width + 1 || box.left < -1) say("beyond the window", one);
+  if (one.clientWidth && one.scrollWidth > one.clientWidth + 1) say("cut or scrolled", one);
+}
+for (const cell of document.querySelectorAll("td, th, figcaption, .note")) {
+  const box = cell.getBoundingClientRect();
+  range.selectNodeContents(cell);
+  for (const line of range.getClientRects())
+    if (line.right > box.right + 1 || line.bottom > box.bottom + 1) say("over its edge", cell);
+}
+return [...new Set(found)];
+"""
+
 # The world of three.js has y up; the scene is turned into it.
 PLACEMENT = """
 const node = viewer.scene_tree.find(arguments[0]).object;
@@ -34,6 +61,12 @@ return matrix.toArray();
 def set_size(browser: webdriver.Chrome, width: int, height: int) -> None:
     size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+
+
+def sticking_out(browser: webdriver.Chrome) -> list[str]:
+    """Return what is cut, scrolls sideways or lies over its edge, with all of the page unfolded."""
+    found: list[str] = browser.execute_script(STICKING_OUT)
+    return found
 
 
 def open_scene(

@@ -32,7 +32,7 @@ import pytest
 PROCESSES = multiprocessing.get_context("forkserver")
 PROCESSES.set_forkserver_preload(["tests.prepared"])
 
-PATIENCE = 1800.0
+PATIENCE = 900.0
 """How long a process of the tests lives, and is waited for [s]: so busy is no machine."""
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -86,6 +86,7 @@ def test_there_are_kernels_in_every_module_that_computes() -> None:
         "__init__",
         "core",
         "equations",
+        "first_answers",
         "flatten",
         "named_frames",
         "tree",

@@ -5,6 +5,8 @@ Outputs, no errors, no traces of a machine.
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import math
 import queue
 import re
@@ -92,10 +94,36 @@ def test_opens_with_what_the_reader_will_be_able_to_do_and_ends_with_two_exercis
     cells = read(path).cells
     assert cells[0].cell_type == cells[-1].cell_type == "markdown"
     assert re.match(
-        r"# \d+ .+\n\nAfter this notebook you will be able to\n\n(- .+\n)", cells[0].source
+        r"# \d+ .+\n\n!\[[^\]]{80,}\]\(attachment:opening.png\)\n\n"
+        r"After this notebook you will be able to\n\n(- .+\n)",
+        cells[0].source,
     )
+    # Imports come after what is seen and said, and are folded.
+    assert cells[1].metadata.jupyter.source_hidden
+    assert "hide-input" in cells[1].metadata.tags
     assert cells[-1].source.startswith("## Exercises\n")
     assert re.findall(r"^(\d+)\. \*\*", cells[-1].source, flags=re.MULTILINE) == ["1", "2"]
+
+
+def test_the_picture_at_the_top_is_of_an_output_as_it_is_now(path: Path) -> None:
+    """By the checksum of the output that it was made of, see ``docs/pictures/make_openings.py``."""
+    cells = read(path).cells
+    made_of = cells[0].metadata.opening
+    assert base64.b64decode(cells[0].attachments["opening.png"]["image/png"])[1:4] == b"PNG"
+    (outputs,) = (
+        cell.outputs
+        for cell, below in pairwise(cells)
+        if below.source.startswith(f"*{made_of.shows}. ")
+    )
+    contents = [text for output in outputs for text in output.get("data", {}).values()]
+    assert made_of.sha256 in {hashlib.sha256(text.encode()).hexdigest() for text in contents}, (
+        "the output has changed: python docs/pictures/make_openings.py"
+    )
+
+
+def test_lines_of_code_fit_the_width_of_the_documentation(path: Path) -> None:
+    lines = [line for source in code_of(read(path)) for line in source.splitlines()]
+    assert max(map(len, lines)) <= 88
 
 
 def test_every_picture_is_put_in_words(path: Path) -> None:

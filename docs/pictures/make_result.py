@@ -1,4 +1,4 @@
-"""Draw the result at the top of the README anew.
+"""Draw the result of the comparison anew.
 
 Run by ``make pictures``, or ``python docs/pictures/make_result.py``; half a minute.
 """

@@ -224,7 +224,8 @@ class CWriter:
         constants: Mapping[str, float] | None = None,
         never: tuple[str, ...] = (),
     ) -> None:
-        if not re.fullmatch(r"[A-Za-z]\w*", name) or name in RESERVED:
+        of_c = isinstance(name, str) and re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII)
+        if not of_c or name in RESERVED:
             raise InvalidValue("name", name, "letters, digits and _, a letter first, no word of C")
         self.name, self.about = name, about
         self.precision = Precision(precision)

@@ -1,4 +1,4 @@
-"""The text of C: parentheses, words, and lines that nobody needs."""
+"""The text of C: parentheses, words, and unused lines, which are left out."""
 
 from __future__ import annotations
 

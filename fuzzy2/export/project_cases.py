@@ -17,6 +17,9 @@ from fuzzy2.support.checks import Array
 CASES = 200
 """Each calls every function once."""
 
+ROOM, GREATEST = 8.0, float(np.finfo(float).max)
+"""Numbers are drawn as so many parts of what they become, and kept below the greatest there is."""
+
 CASES_A_RUN = 20
 """What is remembered begins anew after so many cases. At the end of a run come numbers that are
 none, since what is remembered may be spoilt by them.
@@ -52,9 +55,12 @@ def drawn(low: Any, high: Any, seed: int = 0) -> Array:
     """
     low, high = np.atleast_1d(np.asarray(low, float)), np.atleast_1d(np.asarray(high, float))
     rng = np.random.default_rng(seed)
+    # A range may be as wide as there are numbers; an eighth of it has room for three times that.
+    low, high = low / ROOM, high / ROOM
     inputs = rng.uniform(low, high, (CASES, low.size))
     outside = np.arange(3, CASES, 5)
     inputs[outside] += (inputs[outside] - (low + high) / 2.0) * 2.0
+    inputs = ROOM * np.clip(inputs, -GREATEST / ROOM, GREATEST / ROOM)
     spoilt = np.arange(CASES_A_RUN - 1, CASES, 2 * CASES_A_RUN)
     places = rng.integers(low.size, size=spoilt.size)
     inputs[spoilt, places] = np.resize([np.nan, np.inf, -np.inf], spoilt.size)
@@ -246,7 +252,8 @@ def _listed(row: Array) -> str:
 
 
 def _short(row: Array) -> str:
-    return ", ".join(f"{number:.2e}" for number in row.tolist())
+    # Rounded up, the greatest number would be none.
+    return ", ".join(f"{min(number, 1.79e308):.2e}" for number in row.tolist())
 
 
 def _wrapped(text: str) -> str:

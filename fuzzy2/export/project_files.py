@@ -1,4 +1,4 @@
-"""Files of an exported folder: what an export before left is replaced, what is a user's is kept.
+"""Files of an exported folder: those of an earlier export are replaced, those of the user are kept.
 
 Beside the files stands a list of them with their hashes, as ``sha256sum`` writes it. What is in it,
 with the same hash, is what was exported and nobody's work.

@@ -1,4 +1,4 @@
-"""What of a fuzzy system has no form in C: it is named, with what to take in its place."""
+"""Parts of a fuzzy system that cannot be written in C, with what to use instead."""
 
 from __future__ import annotations
 

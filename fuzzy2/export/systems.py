@@ -1,4 +1,4 @@
-"""Fuzzy systems as C99: which kernels and tables say what a system says."""
+"""Fuzzy systems as C99: which kernels and tables compute a system's outputs."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from fuzzy2.errors import NotExportable
 from fuzzy2.export.c_code import Argument, CCode, CWriter, Known
+from fuzzy2.export.numbers import Precision
 from fuzzy2.export.refusals import refusal_of, refusal_of_planes
 from fuzzy2.export.system_kernels import (
     Averaged,
@@ -44,8 +45,8 @@ def export_c(
     """Write a fuzzy system as one self-contained .c and .h file of C99.
 
     The code is translated from the kernels that evaluate the system here, and gives the same
-    numbers in double precision. It takes no memory from the heap, does not call itself, writes to
-    no global variables and needs nothing but ``math.h``.
+    numbers in double precision. It allocates no memory, is not recursive, writes to no global
+    variables and needs only ``math.h``.
 
     Parameters
     ----------
@@ -88,7 +89,7 @@ def c_code_of(
     tables = Known("system", tables_of(system))
     each = getattr(system, "systems", [system])
     constants, never = without_shapes(each), _functions_left_out(each)
-    about = _about(system, precision)
+    about = _about(system, Precision(precision).name)
     writer = CWriter(name, precision, about, constants=constants, never=never)
     inputs, outputs = system.input_names, system.output_names
     x = Argument("x", f"the inputs: {_listed(inputs, _ranges(system))}", len(inputs))

@@ -9,7 +9,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from fuzzy2.errors import MalformedFile, NotExpressible
+from fuzzy2.errors import MalformedFile, NotExpressible, in_words
 from fuzzy2.systems.rules import unknown_name
 
 LARGEST_INTEGER: Final = 2**31 - 1
@@ -35,7 +35,10 @@ def malformed(path: str, reason: str) -> MalformedFile:
 
 def shown(value: Json) -> str:
     """Return a value as messages show it, cut to 60 characters."""
-    text = json.dumps(value, ensure_ascii=False, default=repr)
+    try:
+        text = json.dumps(value, ensure_ascii=False, default=repr)
+    except (TypeError, ValueError, RecursionError):  # numbers of thousands of digits, for one
+        text = in_words(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 

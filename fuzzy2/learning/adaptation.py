@@ -39,12 +39,13 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.support.checks import Array, of_kind, positive, real, reals
+from fuzzy2.support.described import Described
 from fuzzy2.support.pieces import pieces
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 
 
-class AdaptiveConsequents:
-    r"""A fuzzy system whose consequents follow the samples that come in.
+class AdaptiveConsequents(Described):
+    r"""A fuzzy system whose consequents adapt to incoming samples.
 
     Parameters
     ----------
@@ -90,6 +91,13 @@ class AdaptiveConsequents:
         self._prior = np.full(len(system.rules) * (2 if self._is_interval else 1), self.trust)
         self._lower, self._upper = self._checked_bounds(bounds, given.shape)
         self.reset()
+
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "system": repr(self._given),
+            "forgetting": self.forgetting,
+            "trust": self.trust,
+        }
 
     def _checked_bounds(self, bounds: Any, shape: tuple[int, ...]) -> tuple[Array, Array]:
         if bounds is None:

@@ -68,11 +68,11 @@ Linear consequents reach farther than the samples of a cluster, and need neighbo
 class ANFIS(Regressor):
     r"""Adaptive-network-based fuzzy inference system, with scikit-learn's conventions.
 
-    First-order Takagi–Sugeno–Kang rules, *IF x1 is Low and x2 is High THEN
-    y = c0 + c1 x1 + c2 x2*, with Gaussian terms under the product. Each epoch takes one
-    Levenberg–Marquardt step of the means and standard deviations, with the consequents that are the
-    best for them by least squares. Epochs end when the error falls no more, or when samples that
-    were held back say so; then all samples are learned with that number of epochs.
+    First-order Takagi–Sugeno–Kang rules, *IF x1 is Low and x2 is High THEN y = c0 + c1 x1 + c2 x2*,
+    with Gaussian terms under the product. Each epoch takes one Levenberg–Marquardt step of the
+    means and standard deviations, with the consequents that are the best for them by least squares.
+    Training ends when the error, or that of held-out samples, no longer falls; then all samples are
+    learned with that number of epochs.
 
     Parameters
     ----------

@@ -23,7 +23,14 @@ from fuzzy2.errors import InvalidValue
 from fuzzy2.learning.clustering import fuzzy_c_means
 from fuzzy2.learning.estimator import Estimator
 from fuzzy2.learning.premises import Premises
-from fuzzy2.learning.samples import Samples, ranges_of, samples_of, table_of_samples, weights_of
+from fuzzy2.learning.samples import (
+    LEAST_RANGE,
+    Samples,
+    ranges_of,
+    samples_of,
+    table_of_samples,
+    weights_of,
+)
 from fuzzy2.sets.shapes import Gaussian
 from fuzzy2.support.checks import Array, generator, positive, whole_number
 from fuzzy2.systems.system import Type1System
@@ -42,7 +49,7 @@ _LIMITS = (-1.5, -0.5, 0.5, 1.5)  # in standard deviations from the mean
 
 
 class FuzzyClassifier(Estimator):
-    r"""Classifier of fuzzy rules that can be read, with scikit-learn's conventions.
+    r"""Classifier with readable fuzzy rules, and scikit-learn's conventions.
 
     Parameters
     ----------
@@ -148,9 +155,19 @@ class FuzzyClassifier(Estimator):
         return self
 
     def predict_proba(self, X: ArrayLike) -> Array:
-        """Return the probabilities of the classes, (n, K) for inputs (n, p)."""
+        """Return the probabilities of the classes, (n, K) for inputs (n, p).
+
+        Raises
+        ------
+        InvalidValue
+            If an input is so far away that its square is no number.
+        """
         self._system()
-        inputs = (self._inputs(X) - self._units[0]) / self._units[1]
+        with np.errstate(over="ignore"):
+            inputs = (self._inputs(X) - self._units[0]) / self._units[1]
+        if not (np.abs(inputs) < 1.0 / LEAST_RANGE).all():
+            wanted = f"within {1.0 / LEAST_RANGE:.0e} standard deviations of what was learned from"
+            raise InvalidValue("X", X, wanted)
         grades = self._premises.grades(self._parameters, inputs)
         return np.asarray(self._premises.ends(grades, None)[0].shares @ self.grades_)
 

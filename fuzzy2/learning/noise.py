@@ -96,9 +96,11 @@ def snr_from_mean_variation(mean_variation: ArrayLike) -> Array:
             f"in [0, {GREATEST_MEAN_VARIATION}], what the rule gives for some ratio",
         )
     with np.errstate(divide="ignore", over="ignore"):
-        return np.asarray(
-            HALFWAY_SNR + 20.0 * np.log10(GREATEST_MEAN_VARIATION / variations - 1.0)
-        )[()]
+        logarithms = np.log10(GREATEST_MEAN_VARIATION / variations - 1.0)
+        # The quotient overflows long before its logarithm does.
+        beyond = np.log10(GREATEST_MEAN_VARIATION) - np.log10(variations)
+        logarithms = np.where(np.isposinf(logarithms), beyond, logarithms)
+        return np.asarray(HALFWAY_SNR + 20.0 * logarithms)[()]
 
 
 def add_noise(signal: ArrayLike, snr_db: float, rng: np.random.Generator) -> Array:

@@ -13,7 +13,7 @@ from fuzzy2.learning.clustering import Clusters
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 from fuzzy2.sets.interval_type2 import GaussianUncertainMean
 from fuzzy2.sets.shapes import Gaussian
-from fuzzy2.support.checks import Array, known_name, real, reals, whole_number
+from fuzzy2.support.checks import Array, known_name, of_kind, real, reals, whole_number
 
 Term = Gaussian | GaussianUncertainMean | GaussianType2Set
 Integers = NDArray[np.int64]
@@ -144,6 +144,7 @@ def cluster_partition(
     variation = real("mean_variation", mean_variation)
     if variation < 0.0:
         raise InvalidValue("mean_variation", mean_variation, "at least 0")
+    of_kind("clusters", clusters, Clusters, "clusters, as fuzzy_c_means returns them")
     centers, spreads = clusters.centers, clusters.spreads
     reaches = reals("widths", widths)
     if reaches.shape != centers.shape[1:] or not ((reaches > 0.0) & np.isfinite(reaches)).all():

@@ -177,6 +177,10 @@ def weights_of(given: Any, count: int) -> Array:
         raise InvalidValue(
             "sample_weight", given, f"{count} finite numbers, one for each sample, none below 0"
         )
-    if not (weights > 0.0).any():
+    some = weights[weights > 0.0]
+    if not some.size:
         raise InvalidValue("sample_weight", "all zero", "above 0 for some sample")
+    if some.min() < LEAST_RANGE or some.max() > 1.0 / LEAST_RANGE:
+        wanted = f"0, or from {LEAST_RANGE:.0e} to {1.0 / LEAST_RANGE:.0e}"
+        raise InvalidValue("sample_weight", given, wanted)
     return weights

@@ -1,4 +1,4 @@
-r"""Subtractive clustering: it finds how many clusters there are, from how wide one is.
+r"""Subtractive clustering: the number of clusters follows from their width.
 
 Every sample is a possible center, and its potential counts the samples about it,
 
@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue
-from fuzzy2.learning.samples import weights_of
+from fuzzy2.learning.samples import LEAST_RANGE, weights_of
 from fuzzy2.support.checks import Array, binary_exponent, positive, reals
 
 ACCEPTED, REJECTED = 0.5, 0.15
@@ -59,7 +59,7 @@ def subtractive_clustering(
     *,
     sample_weight: ArrayLike | None = None,
 ) -> SubtractiveClusters:
-    r"""Return the clusters of samples, as many as there are of a width (Chiu 1994).
+    r"""Return clusters of samples; their number follows from a width (Chiu 1994).
 
     Parameters
     ----------
@@ -87,6 +87,15 @@ def subtractive_clustering(
     if samples.ndim != 2 or 0 in samples.shape or not np.isfinite(samples).all():
         raise InvalidValue("X", samples, "finite and of shape (N, p), a row for each sample")
     reach, wider = positive("radius", radius), positive("squash", squash)
+    # Lengths are divided by them, and squared.
+    for name, length in (
+        ("radius", reach),
+        ("squash", wider),
+        ("radius times squash", reach * wider),
+    ):
+        if not LEAST_RANGE <= length <= 1.0 / LEAST_RANGE:
+            wanted = f"from {LEAST_RANGE:.0e} to {1.0 / LEAST_RANGE:.0e}"
+            raise InvalidValue(name, length, wanted)
     counts = weights_of(sample_weight, len(samples))
     scaled = np.ldexp(samples, -binary_exponent(samples))
     widths = np.ptp(scaled, axis=0)

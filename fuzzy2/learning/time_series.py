@@ -22,7 +22,7 @@ class Lagged(NamedTuple):
 
 
 def lagged(series: ArrayLike, lags: Sequence[int], horizon: int = 1) -> Lagged:
-    r"""Return samples that tell what comes from what has been.
+    r"""Return samples for predicting a time series from its past values.
 
     Row t of the inputs is :math:`(x_{t - l_1}, \dots, x_{t - l_p})` and of the outputs
     :math:`x_{t + h}`, for all t for which the series has both.

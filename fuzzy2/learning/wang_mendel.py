@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import CompletedRules, InvalidValue
-from fuzzy2.learning.clustering import Clusters, fuzzy_c_means
+from fuzzy2.learning.clustering import Clusters, checked_fuzzifier, fuzzy_c_means
 from fuzzy2.learning.consequents import (
     COMPLETIONS,
     LEAST_FIRING,
@@ -53,8 +53,8 @@ from fuzzy2.learning.partition import (
 )
 from fuzzy2.learning.samples import Samples, ranges_of, samples_of
 from fuzzy2.sets.shapes import Gaussian
-from fuzzy2.support.checks import Array, known_name, positive, real, whole_number
-from fuzzy2.systems.general_type2 import GeneralType2System
+from fuzzy2.support.checks import Array, generator, known_name, positive, real, whole_number
+from fuzzy2.systems.general_type2 import REDUCTIONS, GeneralType2System
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 
 LEARNERS = ("strongest", "strict", "average", "ridge")
@@ -387,6 +387,12 @@ class WangMendel(Regressor):
             raise InvalidValue("mean_variation", self.mean_variation, "at least 0")
         if self.output_terms is not None:
             whole_number("output_terms", self.output_terms, 2)
+        # Those, too, that another kind or partition would ask for: a slip is told at once.
+        known_name("reduction", self.reduction, REDUCTIONS)
+        whole_number("levels", self.levels, 1)
+        checked_fuzzifier(self.fuzzifier)
+        if self.rng is not None:
+            generator("rng", self.rng)
 
     def _check_size(self, rules: int) -> None:
         if self.learner == "strict" and self.completion in ("none", "refuse"):

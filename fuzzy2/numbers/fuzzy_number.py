@@ -30,7 +30,7 @@ Convertible: TypeAlias = "FuzzyNumber | IntervalNumber | GaussianNumber | Type1S
 class FuzzyNumber(Number):
     r"""Convex, normal fuzzy numbers of any shape, held as α-cuts.
 
-    All four operations are there, under the minimum t-norm.
+    All four arithmetic operations are defined, under the minimum t-norm.
 
     The cut of a result is the interval result of the cuts (eq. 1.43 with :math:`* = \wedge`),
 

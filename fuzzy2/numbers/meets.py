@@ -10,7 +10,7 @@ from fuzzy2.numbers.affine import GaussianNumber
 from fuzzy2.numbers.base import fields_of_one_shape
 from fuzzy2.operations.join_meet import meet
 from fuzzy2.sets.shapes import Gaussian
-from fuzzy2.support.checks import whole_number
+from fuzzy2.support.checks import overflow_refused, whole_number
 
 
 def gaussian_meet(means: ArrayLike, sigmas: ArrayLike) -> GaussianNumber:
@@ -43,19 +43,21 @@ def gaussian_meet(means: ArrayLike, sigmas: ArrayLike) -> GaussianNumber:
     Raises
     ------
     InvalidValue
-        If there are no memberships to meet, or a standard deviation is negative.
+        If there are no memberships to meet, a standard deviation is negative, a number is infinite,
+        or a product overflows.
     """
     m, sigma = fields_of_one_shape(("means", "sigmas"), means, sigmas)
     if m.ndim == 0 or m.shape[-1] == 0:
         raise InvalidValue("means", m, "of shape (..., n) with n of at least 1")
-    # Products of all means but one, without dividing: a mean may be 0.
-    before = np.cumprod(np.concatenate([np.ones_like(m[..., :1]), m[..., :-1]], axis=-1), axis=-1)
-    after = np.cumprod(np.concatenate([np.ones_like(m[..., :1]), m[..., :0:-1]], axis=-1), axis=-1)[
-        ..., ::-1
-    ]
-    return GaussianNumber(
-        m.prod(axis=-1), np.sqrt(((sigma * before * after) ** 2).sum(axis=-1)), "product"
-    )
+    if np.isinf(m).any() or np.isinf(sigma).any():
+        raise InvalidValue("means and sigmas", (means, sigmas), "finite, or NaN")
+    one = np.ones_like(m[..., :1])
+    with overflow_refused("the sizes of means and sigmas"):
+        # Products of all means but one, without dividing: a mean may be 0.
+        before = np.cumprod(np.concatenate([one, m[..., :-1]], axis=-1), axis=-1)
+        after = np.cumprod(np.concatenate([one, m[..., :0:-1]], axis=-1), axis=-1)[..., ::-1]
+        spread = np.sqrt(((sigma * before * after) ** 2).sum(axis=-1))
+        return GaussianNumber(m.prod(axis=-1), spread, "product")
 
 
 def gaussian_meet_error(means: ArrayLike, sigmas: ArrayLike, points: int = 1001) -> float:
@@ -83,6 +85,8 @@ def gaussian_meet_error(means: ArrayLike, sigmas: ArrayLike, points: int = 1001)
     mean_of, sigma_of = fields_of_one_shape(("means", "sigmas"), means, sigmas)
     pairs = zip(mean_of.ravel(), sigma_of.ravel(), strict=True)
     count = whole_number("points", points, 2)
-    exact = meet(*(Gaussian(float(mean), float(sigma)) for mean, sigma in pairs), t_norm="product")
     theta = np.linspace(0.0, 1.0, count)
-    return float(np.abs(gaussian_meet(means, sigmas)(theta) - exact(theta)).max())
+    with overflow_refused("the sizes of means and sigmas"):
+        sets = (Gaussian(float(mean), float(sigma)) for mean, sigma in pairs)
+        exact = meet(*sets, t_norm="product")
+        return float(np.abs(gaussian_meet(means, sigmas)(theta) - exact(theta)).max())

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.type1 import Type1Set
-from fuzzy2.support.checks import Array
+from fuzzy2.support.checks import Array, listed
 from fuzzy2.support.quadrature import Moments, merged
 
 Footprint: TypeAlias = Type1Set | IntervalType2Set
@@ -195,9 +195,7 @@ def rank(sets: Iterable[Footprint]) -> NDArray[np.intp]:
     NotApplicable
         If a set has no finite centroid.
     """
-    if not isinstance(sets, Iterable):
-        raise InvalidValue("sets", sets, "a sequence of fuzzy sets")
-    footprints = list(sets)
+    footprints = listed("sets", sets, "a sequence of fuzzy sets")
     if not footprints:
         raise InvalidValue("sets", sets, "at least one fuzzy set")
     _check(*footprints)

@@ -29,7 +29,7 @@ from fuzzy2.support.checks import Array
 
 
 def figure_1(axes: Sequence[Axes] | None = None) -> Panels:
-    """Draw an ordinary triangular set, and what blurring makes of it.
+    """Draw an ordinary triangular set and the type-2 set that blurring it gives.
 
     Memberships become intervals (Fig. 1).
 

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from fuzzy2.errors import InvalidValue
 from fuzzy2.plots.names import literal
-from fuzzy2.plots.panels import Panels, cycle_colors, given_panels, muted, new_panels
+from fuzzy2.plots.panels import Panels, check_output, cycle_colors, given_panels, muted, new_panels
 from fuzzy2.plots.sets import domain_of, points_of
 from fuzzy2.support.checks import Array, of_kind
 from fuzzy2.systems.antecedents import leaves, trees_of
@@ -58,8 +57,7 @@ def figure_of_inference(
     of_kind("explanation", explanation, Explanation, "what explain() of a system returns")
     explanation = explanation.pictured
     system = explanation.system
-    if not 0 <= output < system.n_outputs:
-        raise InvalidValue("output", output, f"from 0 to {system.n_outputs - 1}")
+    check_output(output, system.n_outputs)
     rules = sorted(explanation.ranking(output)[:MOST].tolist()) or list(
         range(min(MOST, len(explanation.rules)))
     )

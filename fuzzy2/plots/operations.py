@@ -1,4 +1,4 @@
-"""Figures of what the operations make of fuzzy sets."""
+"""Figures of operations on fuzzy sets."""
 
 from __future__ import annotations
 

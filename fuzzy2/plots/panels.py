@@ -12,6 +12,7 @@ from matplotlib.colors import Colormap, LinearSegmentedColormap, to_hex, to_rgba
 from matplotlib.figure import Figure
 
 from fuzzy2.errors import InvalidValue
+from fuzzy2.support.checks import whole_number
 
 Panels = tuple[Axes, ...]
 
@@ -79,3 +80,9 @@ def shades_of(color: str) -> Colormap:
     return LinearSegmentedColormap.from_list(
         "grades", [to_rgba(color, 0.0), to_rgba(color, 0.5), to_rgba(color, 1.0)]
     )
+
+
+def check_output(output: object, count: int) -> None:
+    """Raise :class:`InvalidValue` if something is no number of one of so many outputs."""
+    if whole_number("output", output, 0) >= count:
+        raise InvalidValue("output", output, f"from 0 to {count - 1}")

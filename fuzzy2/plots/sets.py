@@ -355,9 +355,12 @@ def figure_of_secondaries(
         If another number of axes is given.
     """
     of_kind("fuzzy_set", fuzzy_set, (IntervalType2Set, GeneralType2Set), "a type-2 set")
+    points = np.atleast_1d(reals("x", x))
+    if points.ndim > 1 or not points.size:
+        raise InvalidValue("x", x, "a list of one or more points")
     (panel,) = given_panels(axes, 1) or new_panels(6.0, 3.0)
     colors = cycle_colors()
-    for n, point in enumerate(np.atleast_1d(reals("x", x)).tolist()):
+    for n, point in enumerate(points.tolist()):
         color, vertical_slice = colors[n % len(colors)], fuzzy_set.secondary(point)
         draw_type1(panel, vertical_slice, (0.0, 1.0), color, f"x = {point:.4g}")
         if not isinstance(vertical_slice, Singleton):

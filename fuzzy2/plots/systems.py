@@ -14,13 +14,14 @@ from fuzzy2.errors import InvalidValue
 from fuzzy2.plots.names import literal
 from fuzzy2.plots.panels import (
     Panels,
+    check_output,
     cycle_colors,
     given_panels,
     new_panels,
     space_panel,
 )
 from fuzzy2.sets.type1 import ROUNDING
-from fuzzy2.support.checks import Array, of_kind, reals, whole_number
+from fuzzy2.support.checks import Array, ascending_pair, listed, of_kind, reals, whole_number
 from fuzzy2.systems.general_type2 import GeneralType2System
 from fuzzy2.systems.system import FuzzySystem
 
@@ -130,6 +131,8 @@ def figure_of_rule_surface(
         If another number of axes is given, they are not three-dimensional, or ``held`` is not one
         value per input.
     """
+    if len(listed("varied", varied, "two numbers of inputs")) != 2:
+        raise InvalidValue("varied", varied, "two numbers of inputs")
     panel = space_panel(axes)
     grid, X = _grid(system, varied, held, domains, 41)
     crisp, bounds = _outputs(system, X, output)
@@ -182,14 +185,23 @@ def _grid(
     """
     of_kind("system", system, FuzzySystem, "a fuzzy system")
     covered = system.domain()
+    varied = listed("varied", varied, "numbers of inputs")
+    given = listed("domains", domains, "pairs of numbers, or None for those of the system")
+    if len(varied) != len(given):
+        wanted = f"a pair of numbers, or None, for each of the {len(given)} axes"
+        raise InvalidValue("varied and domains", (varied, given), wanted)
     for i in varied:
         if whole_number("varied", i, 0) >= len(covered):
             raise InvalidValue("varied", i, f"numbers of the {len(covered)} inputs, from 0")
     middle = covered.mean(axis=1) if held is None else reals("held", held)
     if middle.shape != (len(covered),):
         raise InvalidValue("held", middle.shape, f"one value for each of the {len(covered)} inputs")
+    rest = np.delete(middle, varied)
+    if not np.isfinite(rest).all():
+        raise InvalidValue("held", held, "finite but for inputs that vary")
     ends = [
-        covered[i] if domain is None else domain for i, domain in zip(varied, domains, strict=True)
+        covered[i] if domain is None else ascending_pair("domain", domain)
+        for i, domain in zip(varied, given, strict=True)
     ]
     points = [np.linspace(left, right, count) for left, right in ends]
     X = np.broadcast_to(middle, (*(count,) * len(points), middle.size)).copy()
@@ -202,6 +214,7 @@ def _outputs(
     system: FuzzySystem, X: Array, output: int
 ) -> tuple[Array, tuple[Array, Array] | None]:
     """Return an output at inputs (..., p), and its bounds unless they coincide."""
+    check_output(output, system.n_outputs)
     crisp = system(X)[..., output]
     first, second = np.moveaxis(system.type_reduced(X)[..., output, :], -1, 0)
     if isinstance(system, GeneralType2System) and system.reduction == "gaussian":

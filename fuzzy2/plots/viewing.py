@@ -1,4 +1,4 @@
-"""One name for the picture of anything: a set, a system, a learner, an explanation."""
+"""One function that draws anything: a set, a system, a learner, an explanation."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from fuzzy2.systems.system import FuzzySystem
 
 
 def view(thing: Any, axes: Sequence[Axes] | Axes | None = None) -> Panels:
-    """Draw something: what ``thing.view()`` does, too.
+    """Draw a set, a system or a learner, as ``thing.view()`` does.
 
     Parameters
     ----------

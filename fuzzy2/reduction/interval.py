@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue
-from fuzzy2.support.checks import Array, binary_exponent, known_name, real, reals
+from fuzzy2.support.checks import Array, binary_exponent, broadcast, known_name, real, reals
 from fuzzy2.support.pieces import pieces
 
 METHODS = ("km", "ekm", "iasc", "eiasc", "scan")
@@ -219,12 +219,7 @@ def centroid(x: ArrayLike, lower: ArrayLike, upper: ArrayLike, method: str = "ei
             done = 0
         if done:
             return out
-    try:
-        low, high = np.broadcast_arrays(reals("lower", lower), reals("upper", upper))
-    except ValueError as error:
-        raise InvalidValue(
-            "lower and upper", (np.shape(lower), np.shape(upper)), "arrays of one shape"
-        ) from error
+    low, high = broadcast("lower and upper", reals("lower", lower), reals("upper", upper))
     points = reals("x", x)
     if points.ndim == 0 or low.ndim == 0 or points.shape[-1] != low.shape[-1]:
         raise InvalidValue(

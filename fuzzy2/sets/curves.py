@@ -41,8 +41,11 @@ def gaussian_reach(alpha: Array, sigma: ArrayLike, height: ArrayLike = 1.0) -> A
 
     It is :math:`\sigma\sqrt{2 \ln(h/\alpha)}`.
     """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        reach = np.sqrt(2.0 * np.maximum(np.log(np.divide(height, alpha)), 0.0))
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        logarithm = np.log(np.divide(height, alpha))
+        # The quotient overflows long before its logarithm does.
+        logarithm = np.where(np.isinf(logarithm), np.log(height) - np.log(alpha), logarithm)
+        reach = np.sqrt(2.0 * np.maximum(logarithm, 0.0))
     return np.asarray(np.multiply(sigma, reach))
 
 

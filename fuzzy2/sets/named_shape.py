@@ -237,7 +237,7 @@ SHAPES = tuple(_SHAPES)
 
 @dataclass(frozen=True)
 class NamedShape(Type1Set):
-    """Set with a shape by name.
+    """Set whose shape is given by its name.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Sigmoids, and what two of them make together."""
+"""Sigmoids, and products and differences of two of them."""
 
 from __future__ import annotations
 
@@ -17,6 +17,11 @@ from fuzzy2.sets.type1 import KernelRow, Type1Set, pair_of_numbers, set_fields
 from fuzzy2.support.checks import Array, real
 from fuzzy2.support.quadrature import merged
 
+LEAST_SLOPE = 1e-300
+"""With less a sigmoid reaches farther than floating-point numbers do."""
+
+SLOPE = f"a finite number, {LEAST_SLOPE:g} or more from 0"
+
 
 @dataclass(frozen=True)
 class Sigmoid(Type1Set):
@@ -34,7 +39,7 @@ class Sigmoid(Type1Set):
     Raises
     ------
     InvalidValue
-        If a parameter is not finite, or the slope is 0.
+        If a parameter is not finite, or the slope is 0, or so small that nothing it leads to is.
     """
 
     center: float
@@ -44,13 +49,14 @@ class Sigmoid(Type1Set):
         set_fields(
             self,
             center=real("center", self.center),
-            slope=real("slope", self.slope, "a finite number other than 0"),
+            slope=real("slope", self.slope, SLOPE),
         )
-        if self.slope == 0.0:
-            raise InvalidValue("slope", self.slope, "a finite number other than 0")
+        if abs(self.slope) < LEAST_SLOPE:
+            raise InvalidValue("slope", self.slope, SLOPE)
 
     def _grades(self, x: Array) -> Array:
-        steps = self.slope * (x - self.center)
+        with np.errstate(over="ignore"):  # far out the exponent is infinite, and the grade 0 or 1
+            steps = self.slope * (x - self.center)
         tail = np.exp(-abs(steps))
         return np.where(steps < 0.0, tail, 1.0) / (1.0 + tail)
 
@@ -94,7 +100,7 @@ class _TwoSigmoids(Type1Set):
     slope: tuple[float, float]
 
     def _check(self) -> None:
-        requirement = "two finite numbers other than 0"
+        requirement = f"two finite numbers, {LEAST_SLOPE:g} or more from 0"
         centers, slopes = (
             pair_of_numbers("center", self.center, "two finite numbers"),
             pair_of_numbers("slope", self.slope, requirement),
@@ -105,7 +111,7 @@ class _TwoSigmoids(Type1Set):
         ):
             if not all(map(math.isfinite, given)):
                 raise InvalidValue(name, given, wanted)
-        if 0.0 in slopes:
+        if min(map(abs, slopes)) < LEAST_SLOPE:
             raise InvalidValue("slope", slopes, requirement)
         set_fields(self, center=centers, slope=slopes)
 

@@ -1,4 +1,4 @@
-"""Type-1 sets: what all of them can do, singletons and sampled sets."""
+"""Type-1 sets: their base class, singletons and sampled sets."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What all of fuzzy2 stands on: checks of arguments, compilation, files, quadrature, lazy names."""
+"""What all of fuzzy2 uses: checks of arguments, compilation, files, quadrature, lazy names."""

@@ -10,6 +10,8 @@ from __future__ import annotations
 import errno
 import os
 
+from fuzzy2.support.checks import named_path
+
 LARGEST_TEXT = 16 * 2**20
 """Bytes of a file that is text."""
 
@@ -34,10 +36,12 @@ def content_of(path: str | os.PathLike[str], most: int = LARGEST_TEXT) -> bytes:
 
     Raises
     ------
+    InvalidValue
+        If it is no path.
     OSError
         If the file cannot be read, or has more; ``strerror`` says so.
     """
-    with open(path, "rb") as file:
+    with open(named_path(path), "rb") as file:
         content = file.read(most + 1)
     if len(content) > most:
         reason = f"larger than {most / 2**20:g} MiB, which is the most that is read of such a file"

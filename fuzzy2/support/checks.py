@@ -5,12 +5,13 @@ A real number in its range, or an error that says which.
 
 from __future__ import annotations
 
+import contextlib
 import decimal
 import itertools
 import math
 import numbers
 import os
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -138,11 +139,25 @@ def known_name(what: str, name: object, known: Collection[str]) -> str:
     return name
 
 
+def is_path(path: object) -> bool:
+    """Tell whether something is the path of a file: text or a path that a file system can name.
+
+    Whole numbers are none: Python would take them for files that are open already.
+    """
+    if not isinstance(path, str | os.PathLike):
+        return False
+    try:
+        name = os.fsencode(path)
+    except (TypeError, ValueError):  # half a character, or what says of itself that it is a path
+        return False
+    return bool(name) and b"\0" not in name
+
+
 def named_path(path: object) -> str | os.PathLike[str]:
     """Return the path of a file; raise :class:`InvalidValue` if it is none."""
-    if isinstance(path, str | os.PathLike) and str(path):
+    if isinstance(path, str | os.PathLike) and is_path(path):
         return path
-    raise InvalidValue("path", path, "the path of a file")
+    raise InvalidValue("path", path, "the path of a file, as text or pathlib.Path")
 
 
 def listed(name: str, values: Iterable[Any], requirement: str) -> tuple[Any, ...]:
@@ -182,6 +197,18 @@ def broadcast(names: str, *arrays: Array) -> tuple[Array, ...]:
     except ValueError as error:
         shapes = tuple(array.shape for array in arrays)
         raise InvalidValue(names, shapes, "arrays whose shapes go together") from error
+
+
+@contextlib.contextmanager
+def overflow_refused(what: str) -> Iterator[None]:
+    """Raise :class:`InvalidValue` where numbers overflow, or an answer is no number."""
+    try:
+        with np.errstate(over="raise", invalid="raise", divide="raise"):
+            yield
+    except (FloatingPointError, OverflowError) as error:
+        raise InvalidValue(
+            what, str(error), "such that results are floating-point numbers"
+        ) from error
 
 
 def binary_exponent(values: Array) -> int:

@@ -10,6 +10,12 @@ Numba keeps code as long as the file of its function is the same, though the fun
 whose files have changed. Here code is kept as long as all modules are the same that
 :mod:`fuzzy2.support.code_stamp` finds.
 
+Python without docstrings and checks (``-OO``) has other bytecode of the same sources, of which the
+same machine code is made: here it is found by what the sources are, not the bytecode.
+
+Numba leaves code beside the sources. Here it is in a folder of the user's
+(:mod:`fuzzy2.support.code_folder`), so that nothing of a package is left where it is uninstalled.
+
 Numba runs whatever a file holds. Here a file begins with a checksum. What is damaged, cannot be
 read or cannot be written is no reason to fail: the code is compiled anew, with a warning.
 """
@@ -24,9 +30,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from numba.core.caching import FunctionCache, IndexDataCacheFile
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 
 from fuzzy2.errors import CodeNotKept
+from fuzzy2.support.code_folder import code_folder, name_for
 from fuzzy2.support.code_stamp import COMPILER, VERSIONS, stamp_of_kernels
 
 CHECKSUM = hashlib.sha256().digest_size
@@ -131,6 +138,44 @@ class CodeFiles(IndexDataCacheFile):
             file.write(pickled)
 
 
+class _Place:
+    """Where the files of a function's code are, as numba asks for it."""
+
+    def __init__(self, folder: Path, function: Any, path: Path) -> None:
+        self._folder, self._path = folder, path
+        self._line = function.__code__.co_firstlineno
+        # What numba names in its own warnings.
+        self._py_file = str(path)
+
+    @classmethod
+    def from_function(cls, function: Callable[..., Any], file: str) -> _Place | None:
+        """Return the place for a function of a file; None if nothing can be kept."""
+        root, path = code_folder(), Path(file).absolute()
+        if root is None or not path.is_file():
+            return None
+        return cls(root / name_for(path.parent), function, path)
+
+    def ensure_cache_path(self) -> None:
+        """Make the folder."""
+        self._folder.mkdir(mode=0o700, exist_ok=True)
+
+    def get_cache_path(self) -> str:
+        """Return the folder."""
+        return str(self._folder)
+
+    def get_source_stamp(self) -> str:
+        """Return a number of the function's file."""
+        return hashlib.sha256(self._path.read_bytes()).hexdigest()
+
+    def get_disambiguator(self) -> str:
+        """Return what tells functions of one name apart."""
+        return str(self._line)
+
+
+class _Code(CompileResultCacheImpl):
+    _locator_classes: list[type[object]] = [_Place]  # noqa: RUF012 (of numba, as it declares it)
+
+
 class CodeCache(FunctionCache):
     """Machine code of one function on disk, as far as the disk allows.
 
@@ -145,10 +190,20 @@ class CodeCache(FunctionCache):
         If no folder can be written.
     """
 
+    _impl_class = _Code
+
     def __init__(self, function: Callable[..., Any]) -> None:
         super().__init__(function)  # type: ignore[no-untyped-call]
         files = self._cache_file
         self._cache_file = CodeFiles.instead_of(files, function.__module__)
+
+    def _index_key(self, sig: Any, codegen: Any) -> Any:
+        """Return what code is found by: types and machine, of functions in functions bytecode, too.
+
+        All others are told by their file, their line and their name.
+        """
+        found: Any = super()._index_key(sig, codegen)  # type: ignore[no-untyped-call]
+        return found if "<" in self._py_func.__qualname__ else found[:2]
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep code, if that is possible: it has been made already.

@@ -18,6 +18,8 @@ tests of this file fail where a version of numba has changed them.
 
 from __future__ import annotations
 
+import contextlib
+import functools
 import types as python_types
 from collections.abc import Callable
 from typing import Any
@@ -25,6 +27,7 @@ from typing import Any
 from llvmlite.binding import Linkage
 from numba._dynfunc import make_function
 from numba.core import typed_passes, types, untyped_passes
+from numba.core.caching import NullCache
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.compiler_lock import global_compiler_lock
@@ -34,6 +37,8 @@ from numba.core.sigutils import normalize_signature
 from numba.core.typed_passes import NativeLowering
 from numba.core.typing.context import Context
 
+from fuzzy2.support.announcements import announced
+from fuzzy2.support.code_files import CodeCache
 from fuzzy2.support.plain_lowering import PLAIN, PlainLowering, ScalarLowering, WideLowering
 
 
@@ -54,6 +59,8 @@ class Kernel(CPUDispatcher):
     scalar : bool
         Whether the function keeps to what can be written in C: no index is negative, and arrays of
         numbers of different types share no memory.
+    kept : bool
+        Whether the machine code is kept on the disk, where that is possible.
     """
 
     def __init__(
@@ -64,6 +71,7 @@ class Kernel(CPUDispatcher):
         *,
         twice: bool = False,
         scalar: bool = False,
+        kept: bool = False,
     ) -> None:
         # Older versions of numba want a dictionary, also where no types are given.
         kinds, options = dict(locals or {}), dict(targetoptions or {})
@@ -72,7 +80,25 @@ class Kernel(CPUDispatcher):
         if scalar:
             whole, part = _ScalarCompiler, _ScalarPartCompiler
         super().__init__(function, kinds, options, pipeline_class=whole)
-        self._part = CPUDispatcher(function, kinds, options, pipeline_class=part)
+        self._how, self._is_kept = (kinds, options, part), kept
+        # Numba's own, which is none.
+        del self._cache
+
+    # Of most functions neither is needed in a process, and there are hundreds of them.
+
+    @functools.cached_property
+    def _part(self) -> Any:
+        """The function as others call it."""
+        kinds, options, compiler = self._how
+        return CPUDispatcher(self.py_func, kinds, options, pipeline_class=compiler)
+
+    @functools.cached_property
+    def _cache(self) -> Any:
+        """Where numba finds and keeps the machine code."""
+        # "no locator available": there is no folder that can be written to
+        with contextlib.suppress(RuntimeError):
+            return CodeCache(self.py_func) if self._is_kept else NullCache()
+        return NullCache()
 
     def compile(self, sig: Any) -> Any:
         """Return the machine code for arguments of these types.
@@ -213,6 +239,7 @@ class _PlainCompiler(Compiler):
 
 class _WholeCompiler(_PlainCompiler):
     library: type[JITCodeLibrary] = _Whole
+    work = 1.0
 
     def __init__(self, typingctx: Any, targetctx: Any, library: Any, *more: Any) -> None:
         super().__init__(_Operations(typingctx), targetctx, library, *more)
@@ -223,7 +250,8 @@ class _WholeCompiler(_PlainCompiler):
         """Return the function with its parts, optimized, as machine code."""
         self.state.library = self.library(self.state.targetctx.codegen(), func.__qualname__)
         self.state.library.enable_object_caching()
-        result = super().compile_extra(func)
+        with announced(func, self.state.args, self.work):
+            result = super().compile_extra(func)
         # What parts may raise.
         for environment in result._find_referenced_environments():
             result.library.codegen.set_env(environment.env_name, environment)
@@ -233,6 +261,7 @@ class _WholeCompiler(_PlainCompiler):
 class _TwiceCompiler(_WholeCompiler):
     lowering = WideLowering
     library = _Twice
+    work = 1.7
 
 
 class PartCompiler(_PlainCompiler):

@@ -8,7 +8,6 @@ module changed, though kernels call those of other modules: ``fuzzy2.support.cod
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import threading
 from collections.abc import Callable, Mapping
@@ -17,7 +16,6 @@ from typing import Any, Protocol, TypeVar, cast
 import numba
 from numba.extending import overload
 
-from fuzzy2.support.code_files import CodeCache
 from fuzzy2.support.compile_unit import Kernel, PartCompiler
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -70,8 +68,8 @@ def compiled(function: Function) -> Function:
     Returns
     -------
     callable
-        The compiled function. Where no directory for the cache can be written it is compiled anew
-        in every process.
+        The compiled function. Where no folder for its code can be written
+        (:mod:`fuzzy2.support.code_folder`) it is compiled anew in every process.
     """
     return _compiled(function, twice=True)
 
@@ -182,8 +180,6 @@ def _compiled(
     if getattr(numba.config, "DISABLE_JIT", False):
         return function
     options = {"nopython": True, "nogil": True, "error_model": "numpy", "boundscheck": None}
-    kernel: Any = Kernel(function, targetoptions={**options, **more}, twice=twice, scalar=scalar)
-    # "no locator available": site-packages and home are both read-only
-    with contextlib.suppress(RuntimeError):
-        kernel._cache = CodeCache(function)
+    options |= more
+    kernel: Any = Kernel(function, targetoptions=options, twice=twice, scalar=scalar, kept=True)
     return cast("Function", kernel)

@@ -12,6 +12,7 @@ from typing import IO, Any, Literal
 
 from fuzzy2.errors import FileNotWritten, MalformedFile
 from fuzzy2.support.bounded_files import LARGEST_NUMBERS, content_of
+from fuzzy2.support.checks import named_path
 from fuzzy2.support.drafts import clear_drafts, is_draft, new_draft
 
 STANDARD_STREAMS = (1, 2)
@@ -80,11 +81,13 @@ def written_whole(
 
     Raises
     ------
+    InvalidValue
+        If it is no path.
     FileNotWritten
         If the file cannot be written or is marked read-only; an ``OSError``. What was there before
         remains.
     """
-    name = os.fspath(path)
+    name = os.fspath(named_path(path))
     target = os.path.realpath(name)
     try:
         status = _status(name)
@@ -106,9 +109,12 @@ def made_folder(path: str | os.PathLike[str]) -> Path:
 
     Raises
     ------
+    InvalidValue
+        If it is no path.
     FileNotWritten
         If it cannot be made.
     """
+    named_path(path)
     try:
         Path(path).mkdir(parents=True, exist_ok=True)
     except OSError as error:

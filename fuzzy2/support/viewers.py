@@ -1,4 +1,4 @@
-"""Who draws what is looked at.
+"""The function that draws what ``view()`` is called on.
 
 Figures stand above what they show, so nothing that can be shown knows them: the facade, which knows
 both, says who draws. Nothing is imported here, because a facade is.

@@ -282,7 +282,7 @@ class AnYaSystem(Shown):
         return np.asarray(firing[..., np.newaxis] * own * slopes[:, np.newaxis])
 
     def explain(self, x: ArrayLike) -> CloudExplanation:
-        """Return why the system says what it says of one input: the rules that decided.
+        """Return an explanation of the output at one input: the rules that decided it.
 
         Parameters
         ----------

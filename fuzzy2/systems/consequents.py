@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from fuzzy2.errors import InvalidValue
 from fuzzy2.sets.general_type2 import GeneralType2Set
 from fuzzy2.support.checks import Array, reals
+from fuzzy2.support.described import Described
 from fuzzy2.support.formula import Formula
 from fuzzy2.systems.terms import AnySet
 
@@ -33,7 +34,7 @@ class FunctionsOfInputs(ABC):
         """Return what a rule says of an output; equal where functions are the same."""
 
 
-class Linear(FunctionsOfInputs):
+class Linear(Described, FunctionsOfInputs):
     r"""Consequents of Takagi, Sugeno and Kang.
 
     :math:`z_{rj}(x) = c_{rj0} + \sum_i c_{rji} x_i`, with a spread if they are intervals.
@@ -66,6 +67,15 @@ class Linear(FunctionsOfInputs):
             raise InvalidValue(
                 "spreads", self.spreads, "finite, not negative, of the shape of the coefficients"
             )
+
+    def _facts(self) -> dict[str, Any]:
+        rules, outputs, coefficients = self.coefficients.shape
+        return {
+            "rules": rules,
+            "outputs": outputs,
+            "inputs": coefficients - 1,
+            "spreads": bool(self.spreads.any()),
+        }
 
     @property
     def shape(self) -> tuple[int, int]:

@@ -1,4 +1,4 @@
-"""Why a system says what it says: the rules that decided, ranked, in words."""
+"""Explanations of a system's output: the rules that decided it, ranked, in words."""
 
 from __future__ import annotations
 

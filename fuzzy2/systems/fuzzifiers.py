@@ -152,9 +152,7 @@ class SingletonFuzzifier(Fuzzifier):
 
 @dataclass(frozen=True)
 class NonSingletonFuzzifier(Fuzzifier):
-    r"""Takes the measured input as the middle of a fuzzy set.
-
-    What the true input might be (eq. 1.120, 1.121).
+    r"""Takes the measured input as the middle of a fuzzy set of possible inputs (eq. 1.120, 1.121).
 
     .. math:: \mu_{\tilde X}(x) = \mu_{\text{shape}}(x - x')
 

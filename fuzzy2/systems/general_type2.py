@@ -26,6 +26,9 @@ from fuzzy2.systems.rules import Rule
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System
 from fuzzy2.systems.terms import domain_of, highest_point
 
+REDUCTIONS = ("alpha_planes", "gaussian")
+"""How general type-2 outputs are reduced."""
+
 
 class GeneralType2System(FuzzySystem):
     r"""General type-2 fuzzy logic system,by α-planes or by the Gaussian corollary.
@@ -75,7 +78,7 @@ class GeneralType2System(FuzzySystem):
         grade_t_norm: str = "min",
         **options: Any,
     ) -> None:
-        known_name("reduction", reduction, ("alpha_planes", "gaussian"))
+        known_name("reduction", reduction, REDUCTIONS)
         levels = whole_number("levels", levels, 1)
         known_name("t-norm of secondary grades", grade_t_norm, ("min", "product"))
         self.reduction, self.levels, self.grade_t_norm = reduction, int(levels), grade_t_norm
@@ -188,7 +191,8 @@ class GeneralType2System(FuzzySystem):
         Returns
         -------
         (..., m, L, 2) ndarray
-            Ends of the cuts at ``alphas``; NaN where no rule fires.
+            Ends of the cuts at ``alphas``; NaN on planes where no rule fires. An output with a
+            default is that on all planes where one of them is so.
 
         Raises
         ------
@@ -208,7 +212,10 @@ class GeneralType2System(FuzzySystem):
             )
         cuts = planes.swapaxes(1, 2)
         if self.default_outputs is not None:
-            cuts = np.where(np.isnan(cuts), self.default_outputs[:, np.newaxis, np.newaxis], cuts)
+            # Where some plane has no answer, the output has none, and is the default on all planes.
+            silent = np.isnan(cuts).any(axis=(-2, -1), keepdims=True)
+            defaults = self.default_outputs[:, np.newaxis, np.newaxis]
+            cuts = np.where(silent & ~np.isnan(defaults), defaults, cuts)
         return cuts.reshape(*shape, self.n_outputs, self.levels, 2)
 
     def _prepared_outputs(self) -> Any:

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, ReadOnly
 from fuzzy2.support.checks import Array, listed
+from fuzzy2.support.markup import Markup, joined
 from fuzzy2.systems.named_inputs import like_inputs
 from fuzzy2.systems.system import FuzzySystem
 
@@ -58,6 +59,10 @@ class ParallelSystem:
 
     def __repr__(self) -> str:
         return f"ParallelSystem({list(self.systems)!r})"
+
+    def _repr_html_(self) -> Markup:
+        """Return what a notebook shows: the systems one below the other."""
+        return joined(one._repr_html_() for one in self.systems)
 
     def __call__(self, X: Any = None, /, **named: ArrayLike) -> Array:
         """Return the crisp outputs (..., m) of inputs (..., p), or of inputs by name.

@@ -3,17 +3,16 @@ r"""Type-1, interval type-2 and general type-2 fuzzy logic systems.
 Many inputs, one rule base, many outputs (eq. 1.63–1.83, 1.117–1.124).
 
 A system is inputs (a list of sets per input), rules (which set of each input a rule asks for) and
-consequents. Evaluating it takes three steps: membership grades, firing intervals
-:math:`[\underline f_r, \overline f_r]` of the rules (the meet of the grades of their antecedents,
-eq. 1.79), and type reduction of the consequents weighted with them. The type-reduced set is the
-answer with its uncertainty; its middle is the crisp output. **Where no rule fires there is no
-answer: NaN, never 0**; :meth:`validate` says where that is. Gaussians fire everywhere: where
-strengths underflow, and nothing but their ratios matters, they are carried in logarithms, through
-*or*, *not* and hedges, too. Far from all terms of a type-1 system the nearest rule answers; an
-interval system says there what its upper and lower strengths leave open, which is much.
-NaN then means that the strength is 0 by its formula: of bounded terms beyond their ends, of tiny
-grades under Łukasiewicz's, the drastic or the nilpotent t-norm; and it remains for t-norms and
-hedges of one's own, whose formula nobody knows.
+consequents. Evaluating it takes three steps: membership grades, firing intervals :math:`[\underline
+f_r, \overline f_r]` of the rules (the meet of the grades of their antecedents, eq. 1.79), and type
+reduction of the consequents weighted with them. The type-reduced set is the answer with its
+uncertainty; its middle is the crisp output. **Where no rule fires there is no answer: NaN, never
+0**; :meth:`validate` says where that is. Gaussians fire everywhere: where strengths underflow, and
+nothing but their ratios matters, they are carried in logarithms, through *or*, *not* and hedges,
+too. Far from all terms of a type-1 system the nearest rule answers; an interval system says there
+what its upper and lower strengths leave open, which is much. NaN then means that the strength is 0
+by its formula: of bounded terms beyond their ends, of tiny grades under Łukasiewicz's, the drastic
+or the nilpotent t-norm; and it remains for your own t-norms and hedges, whose formulas are unknown.
 
 Gaussian, triangular and trapezoidal terms under a t-norm that has a name are evaluated by one
 compiled loop; any other set or t-norm works, too, at NumPy's speed.
@@ -101,10 +100,10 @@ from fuzzy2.systems.terms import range_of
 
 
 class FuzzySystem(Shown):
-    """What the three kinds of systems share.
+    """Base of the three kinds of systems.
 
-    Use :class:`Type1System`, :class:`IntervalType2System` or :class:`GeneralType2System`. A system
-    does not change: its arrays are read-only, and :meth:`replace` makes another one.
+    Use :class:`Type1System`, :class:`IntervalType2System` or :class:`GeneralType2System`. Systems
+    are immutable: their arrays are read-only, and :meth:`replace` returns another system.
 
     Parameters
     ----------
@@ -358,7 +357,7 @@ class FuzzySystem(Shown):
         Raises
         ------
         InvalidValue
-            If an argument is unknown, or the system made of them is none.
+            If an argument is unknown, or the resulting system is invalid.
         """
         names = {
             name: kind
@@ -788,7 +787,7 @@ class FuzzySystem(Shown):
     # Looking at a system
 
     def explain(self, x: ArrayLike) -> Explanation:
-        """Return why the system says what it says of one input: the rules that decided.
+        """Return an explanation of the output at one input: the rules that decided it.
 
         Parameters
         ----------

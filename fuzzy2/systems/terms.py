@@ -1,4 +1,4 @@
-"""What systems ask of a term: where it peaks, and where it lives."""
+"""What systems need of a term: its peak and its support."""
 
 from __future__ import annotations
 

@@ -11,7 +11,9 @@ from concurrent.futures import CancelledError, Executor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager
 from pathlib import Path
+from typing import Any
 
+from fuzzy2.support.described import Described
 from fuzzy2.support.text_files import made_folder
 from psp3.benchmark.baselines import BASELINES, NEED_SCIKIT_LEARN, REFERENCE
 from psp3.benchmark.board import Board
@@ -24,7 +26,9 @@ from psp3.benchmark.tasks import ROBOTS
 from psp3.benchmark.trial import Outcome, Trial, execute, own_trial
 from psp3.benchmark.workers import done_by, processes
 from psp3.checks import (
+    MOST_SEEDS,
     checked_count,
+    checked_function,
     checked_names,
     checked_number,
     checked_path,
@@ -40,7 +44,7 @@ from psp3.errors import (
     WorkersLost,
 )
 from psp3.study import cluster
-from psp3.study.interrupts import noted_interrupts
+from psp3.study.interrupts import Interrupts, noted_interrupts
 
 ALL = "all"
 """Stands for all entries that come with the package."""
@@ -51,7 +55,7 @@ FILE, PAGE, NUMBERS = "benchmark.sqlite", "benchmark.html", "benchmark.json"
 Progress = Callable[[int, int, float], None]
 
 
-class Benchmark:
+class Benchmark(Described):
     """Entries, and what they are asked to do.
 
     Without noise an entry runs once, unless it draws random numbers; what sees no noise of a
@@ -110,7 +114,7 @@ class Benchmark:
             if math.isinf(ratio):
                 raise InvalidValue("levels", ratio, wanted)
         self.levels = tuple(dict.fromkeys(ratios))
-        self.seeds = checked_count("seeds", seeds)
+        self.seeds = checked_count("seeds", seeds, 1, MOST_SEEDS)
         self.duration = checked_positive("duration", duration)
         self.period = checked_positive("period", period)
         if not self.robots:
@@ -119,6 +123,16 @@ class Benchmark:
             known_name("reading of noise", reading, READINGS)
         for trial in self.trials(seeds=1):
             trial.check()
+
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "directory": self.directory.name,
+            "entries": tuple(self.entries),
+            "robots": self.robots,
+            "readings": self.readings,
+            "levels": tuple(f"{level:g} dB" for level in self.levels),
+            "seeds": self.seeds,
+        }
 
     def _enter(self, source: str | Entry) -> None:
         if isinstance(source, Entry):
@@ -144,8 +158,14 @@ class Benchmark:
         """Yield the trials of an entry whose every outcome depends on the seed.
 
         Seeds vary slowest, so that what was stopped holds whole comparisons.
+
+        Raises
+        ------
+        InvalidValue
+            If the number of seeds is none.
         """
-        for seed in range(self.seeds if seeds is None else seeds):
+        count = self.seeds if seeds is None else checked_count("seeds", seeds, 1, MOST_SEEDS)
+        for seed in range(count):
             for robot in self.robots:
                 for reading, snr_db in self.conditions:
                     yield Trial(robot, reading, snr_db, seed, self.duration, self.period)
@@ -192,6 +212,10 @@ class Benchmark:
         """
         if workers is not None and scheduler is not None:
             raise InvalidValue("workers", workers, "left out where a scheduler has its own")
+        if scheduler is not None:
+            cluster.host_and_port(scheduler)
+        if progress is not None:
+            checked_function("progress", progress)
         count = (
             len(os.sched_getaffinity(0)) if workers is None else checked_count("workers", workers)
         )
@@ -204,16 +228,18 @@ class Benchmark:
                     name for name, outcome in file.outcomes().items() if outcome["error"] is None
                 }
                 missing = {name: work for name, work in wanted.items() if name not in there}
-                session = _Session(file, len(wanted), len(wanted) - len(missing), progress)
+                there_before = len(wanted) - len(missing)
+                session = _Session(file, len(wanted), there_before, progress, interrupts)
                 session.report()
                 if scheduler is None and count == 1:
                     for name, work in missing.items():
                         with interrupts.obeyed_at_once():
                             outcome = execute(*work)
                         session.keep(name, outcome)
+                        session.report()
                 elif missing:
                     with _workers(count, scheduler) as pool:
-                        done_by(*pool, missing, session.keep)
+                        done_by(*pool, missing, session.keep, session.report)
         except KeyboardInterrupt:
             done, total = (session.done, session.total) if session else (0, len(self._wanted()))
             raise StudyInterrupted(path, done, total) from None
@@ -273,18 +299,25 @@ class _Session:
     """One call of :meth:`Benchmark.run`: what is done, and how fast."""
 
     def __init__(
-        self, file: OutcomeFile, total: int, there: int, progress: Progress | None
+        self,
+        file: OutcomeFile,
+        total: int,
+        there: int,
+        progress: Progress | None,
+        interrupts: Interrupts,
     ) -> None:
         self.total, self.done = total, there
         self._file, self._there, self._progress = file, there, progress
+        self._interrupts = interrupts
         self._start = time.monotonic()
 
     def keep(self, name: str, outcome: Outcome) -> None:
         self._file.add(name, outcome)
         self.done += 1
-        self.report()
 
     def report(self) -> None:
         if self._progress is not None:
             now, passed = self.done - self._there, time.monotonic() - self._start
-            self._progress(self.done, self.total, now / passed if now else 0.0)
+            # What others do with it may take long, or wait for somebody.
+            with self._interrupts.obeyed_at_once():
+                self._progress(self.done, self.total, now / passed if now else 0.0)

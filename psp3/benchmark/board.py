@@ -32,13 +32,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fuzzy2.support.described import Described
 from fuzzy2.support.plain_data import plain
 from psp3.benchmark.baselines import REFERENCE
 from psp3.benchmark.entries import Entry
 from psp3.benchmark.readings import NONE, READINGS
 from psp3.benchmark.tasks import PATHS, SAMPLES, task
 from psp3.benchmark.trial import Outcome, Trial, own_trial
-from psp3.checks import Array
+from psp3.checks import Array, known_name
+from psp3.errors import InvalidValue
 from psp3.study.statistics import Estimate, ratio_of_geometric_means, share
 from psp3.version import __version__
 
@@ -103,7 +105,7 @@ class Score:
     cells: dict[Cell, CellScore]
 
 
-class Board:
+class Board(Described):
     """Scores of entries.
 
     Parameters
@@ -144,8 +146,24 @@ class Board:
             for path in PATHS
         )
 
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "entries": tuple(entry.name for entry in self.entries),
+            "robots": self.robots,
+            "seeds": self.seeds,
+            "duration": f"{self.duration:g} s",
+        }
+
     def extent(self, cell: Cell) -> float:
-        """Return the largest error of a cell [m], that of a run which diverged."""
+        """Return the largest error of a cell [m], that of a run which diverged.
+
+        Raises
+        ------
+        InvalidValue
+            If it is no cell of this board.
+        """
+        if not isinstance(cell, tuple) or cell not in self.cells:
+            raise InvalidValue("cell", cell, "one of the cells of this board")
         return task(cell.robot).extent(cell.path, self.duration, self.period)
 
     @cached_property
@@ -162,7 +180,14 @@ class Board:
         """Return the score of an entry over that of another one, paired by seed.
 
         NaN if one of the two did not take part in everything.
+
+        Raises
+        ------
+        UnknownName
+            If there is no such entry.
         """
+        for one in (name, other):
+            known_name("entry", one, [REFERENCE, *(entry.name for entry in self.entries)])
         return ratio_of_geometric_means(self._whole(name), self._whole(other))
 
     def _whole(self, name: str) -> Array:

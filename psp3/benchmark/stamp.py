@@ -1,4 +1,4 @@
-"""What of the packages decides outcomes, as a word: outcomes of other sources are not taken over.
+"""A hash of the sources that decide outcomes: outcomes of other sources are computed anew.
 
 The version says it of a release. Between releases, and where a package is changed by its user,
 sources say it: of all that a trial may run, and of the robots.

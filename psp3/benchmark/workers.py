@@ -1,4 +1,4 @@
-"""Who does trials: processes of this machine, or the workers of a dask cluster."""
+"""Workers that run trials: processes of this machine, or of a dask cluster."""
 
 from __future__ import annotations
 
@@ -51,6 +51,7 @@ def done_by(
     count_workers: Callable[[], int],
     missing: Mapping[str, tuple[Trial, Entry]],
     keep: Callable[[str, Outcome], None],
+    report: Callable[[], None],
 ) -> None:
     """Hand out trials, a few at a time, and keep each outcome when it is there.
 
@@ -67,6 +68,8 @@ def done_by(
         Trials with their entries, by key.
     keep : callable
         Called with key and outcome.
+    report : callable
+        Called when outcomes have been kept.
 
     Raises
     ------
@@ -89,7 +92,8 @@ def done_by(
                 if not under_way:
                     return
                 # Not without end: count_workers finds out what a cluster tells nobody.
-                _keep(under_way, LOOK_UP, keep)
+                if _keep(under_way, LOOK_UP, keep):
+                    report()
         except KeyboardInterrupt:
             # What has begun is soon done, and is kept.
             under_way.cancel()
@@ -104,10 +108,11 @@ def _keep(
     under_way: UnderWay[str, Outcome],
     patience: float | None,
     keep: Callable[[str, Outcome], None],
-) -> None:
-    """Keep what comes back, and raise what has lost the rest of it."""
+) -> int:
+    """Keep what comes back, return how much it was, and raise what has lost the rest of it."""
     lost: BrokenProcessPool | CancelledError | None = None
-    for future in under_way.finished(patience):
+    finished = under_way.finished(patience)
+    for future in finished:
         try:
             keep(under_way.take(future), _outcome(future))
         except (BrokenProcessPool, CancelledError) as error:
@@ -115,6 +120,7 @@ def _keep(
             lost = error
     if lost is not None:
         raise lost
+    return len(finished)
 
 
 def _outcome(future: Future[Outcome]) -> Outcome:

@@ -1,4 +1,4 @@
-r"""Bounds that hold for a stated share of all that is like what was seen.
+r"""Conformal bounds, which new samples keep with a stated probability.
 
 Split conformal prediction: of n + 1 scores that are exchangeable, each is equally likely to be the
 k-th smallest, so that a new one exceeds the k-th smallest of n old ones with a probability of at

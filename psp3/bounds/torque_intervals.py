@@ -19,7 +19,7 @@ SCALES = ("interval", "constant")
 
 
 class ConformalIntervals:
-    r"""Intervals about the middles of given ones that hold a stated share of torques.
+    r"""Intervals that contain a stated share of torques, about the middles of given ones.
 
     .. math:: \Big[ m - r, m + r \Big], \qquad m = \tfrac12 (\underline\tau + \overline\tau), \quad
               r = q\, \tfrac12 (\overline\tau - \underline\tau) \text{ or } r = q
@@ -100,7 +100,7 @@ class ConformalIntervals:
         return scores
 
     def around(self, intervals: ArrayLike) -> Array:
-        """Return intervals (..., n, 2) that hold what was asked for, about the given ones' middles.
+        """Return intervals (..., n, 2) of the requested coverage, about the given ones' middles.
 
         Raises
         ------

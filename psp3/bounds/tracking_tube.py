@@ -1,4 +1,4 @@
-r"""A tube about the desired motion that runs under control keep.
+r"""A tube around the desired motion in which controlled runs stay.
 
 Run by run it is asked how great a disturbing acceleration must have been, beside the servo's, for
 the robot to move as it did (:func:`residual_accelerations`). A bound that a stated share of runs
@@ -113,7 +113,7 @@ def errors_of(result: Result) -> tuple[Array, Array]:
 
 
 class TrackingTube:
-    r"""A tube about the desired motion that a stated share of runs keeps.
+    r"""A tube around the desired motion in which a stated share of runs stays.
 
     .. math:: |e_i(t_j)| \le \big| (F^j x_0)_e \big| + D_i
               \sum_{l < j} \int_0^h \big| (F^l)_{ee} (h - s) + (F^l)_{e \dot e} \big|\, ds

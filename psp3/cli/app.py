@@ -2,15 +2,41 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand, TyperGroup
 
 from psp3.cli.options import USAGE
 
+
+def _without_type(options: list[Any]) -> list[Any]:
+    """Return options, of which those that take no value do not show the type of one."""
+    for one in options:
+        if getattr(one, "is_flag", False) and one.metavar is None:
+            one.metavar = ""
+    return options
+
+
+class Command(TyperCommand):
+    """A command whose help shows no type of what takes no value."""
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        """Return options and arguments."""
+        return _without_type(super().get_params(ctx))
+
+
+class Group(TyperGroup):
+    """The same of a group of commands."""
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        """Return options and arguments."""
+        return _without_type(super().get_params(ctx))
+
+
 app = typer.Typer(
     name="psp3",
-    add_completion=False,
+    cls=Group,
     invoke_without_command=True,
     pretty_exceptions_enable=False,
     help="Dynamics and control of the 3-PSP parallel robot, and of any robot with loops.",
@@ -22,6 +48,7 @@ app = typer.Typer(
 
 export = typer.Typer(
     name="export",
+    cls=Group,
     no_args_is_help=True,
     help="Write a robot, a controller or a fuzzy system for other programs.",
 )

@@ -13,6 +13,7 @@ import sys
 
 import typer
 
+from fuzzy2.support.announcements import announced_by
 from psp3.cli.app import app, export
 from psp3.cli.commands.benchmark import benchmark
 from psp3.cli.commands.check import check
@@ -27,14 +28,16 @@ from psp3.cli.commands.study import study
 from psp3.cli.commands.torques import torques
 from psp3.cli.commands.train import train
 from psp3.cli.commands.view import view
+from psp3.cli.commands.warm_up import warm_up
 from psp3.cli.commands.workspace import workspace
+from psp3.cli.compilation import compilation_shown
 from psp3.cli.options import INTERRUPTED, USAGE
 from psp3.cli.output import error_message, say
 
 # In the order of the help.
 for command in (reproduce, simulate, train, study, benchmark, torques, pose, dynamics, workspace):
     app.command()(command)
-for command in (view, check, info):
+for command in (view, check, info, warm_up):
     app.command()(command)
 export.command()(c)
 export.command()(fmu)
@@ -48,7 +51,8 @@ def main() -> None:
             # Where the terminal knows no Greek a question mark is better than an error.
             stream.reconfigure(errors="replace")
     try:
-        returned = app(prog_name="psp3", standalone_mode=False)
+        with announced_by(compilation_shown):
+            returned = app(prog_name="psp3", standalone_mode=False)
         status = returned if isinstance(returned, int) else 0
         sys.stdout.flush()
     except (KeyboardInterrupt, typer.Abort):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from psp3.cli.options import Numbers, numbers, one_or_each, option_of, usage_error
+from psp3.cli.options import Numbers, file_path, numbers, one_or_each, option_of, usage_error
 from psp3.cli.robot_options import (
     ROBOT,
     ActuatedOption,
@@ -48,6 +48,7 @@ class ThingOptions:
     loops: Annotated[
         Path | None,
         typer.Option(
+            parser=file_path,
             metavar="FILE",
             rich_help_panel=ROBOT,
             help="Loop file (.yaml) of a URDF; the one beside it, of its name, unless given.",

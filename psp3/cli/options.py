@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
@@ -140,9 +140,25 @@ def limit_of_torque(text: str) -> Limit:
     return Limit(given)
 
 
+def file_path(text: str) -> Path:
+    """Refuse a name without a letter: it would mean the folder where the command runs."""
+    # Typer hands over the default, too, which is a path.
+    if not str(text).strip():
+        raise typer.BadParameter(f"{text!r} names no file")
+    return Path(text)
+
+
+def folder_path(text: str) -> Path:
+    """Refuse a folder that is a file."""
+    path = file_path(text)
+    if path.exists() and not path.is_dir():
+        raise typer.BadParameter(f"{text} is no directory")
+    return path
+
+
 def output_file(text: str) -> Path:
     """Refuse what cannot be written before anything is computed, not after."""
-    path = Path(text)
+    path = file_path(text)
     if path.is_dir():
         raise typer.BadParameter(f"{text} is a directory")
     if not path.parent.is_dir():
@@ -152,32 +168,29 @@ def output_file(text: str) -> Path:
     return path
 
 
-def page_output(text: str) -> Path:
-    """Refuse a page whose name no browser would open."""
-    if Path(text).suffix.lower() not in (".html", ".htm"):
-        raise typer.BadParameter(f"{text}: the name of a page must end in .html")
-    return output_file(text)
+def output_named(what: str, *endings: str) -> Callable[[str], Path]:
+    """Return how the name of an output is read, which must end as its programs expect."""
+
+    def output(text: str) -> Path:
+        # A directory has no ending, and is told as what it is.
+        if Path(text).suffix.lower() not in endings and not Path(text).is_dir():
+            raise typer.BadParameter(f"{text}: the name of {what} must end in {', '.join(endings)}")
+        return output_file(text)
+
+    return output
 
 
-def fmu_output(text: str) -> Path:
-    """Refuse an FMU whose name no program would open."""
-    if Path(text).suffix.lower() != ".fmu":
-        raise typer.BadParameter(f"{text}: the name of an FMU must end in .fmu")
-    return output_file(text)
+page_output = output_named("a page", ".html", ".htm")
+fmu_output = output_named("an FMU", ".fmu")
+figure_output = output_named("a figure", *FIGURE_FORMATS)
+result_output = output_named("a result", ".npz")
+controller_output = output_named("a controller", ".json")
+table_output = output_named("a table", ".csv")
 
 
 def csv_output(text: str) -> Path:
     """Return a file to write samples to, or the sign of standard output."""
-    return Path("-") if text == "-" else output_file(text)
-
-
-def figure_output(text: str) -> Path:
-    """Refuse a figure in a format that is not drawn."""
-    if Path(text).suffix.lower() not in FIGURE_FORMATS:
-        raise typer.BadParameter(
-            f"{text}: the name of a figure must end in {', '.join(FIGURE_FORMATS)}"
-        )
-    return output_file(text)
+    return Path("-") if text == "-" else table_output(text)
 
 
 Model = Annotated[

@@ -178,6 +178,25 @@ def print_json(content: dict[str, Any]) -> None:
     typer.echo(text)
 
 
+ROUNDING = 1e-12
+"""Share of what a number is measured by up to which it is rounding, and shown as 0."""
+
+
+def plain_number(value: float, digits: int = 6, scale: float = 1.0) -> str:
+    """Return a number as people write it: 0 where nothing but rounding is left, and never -0.
+
+    Parameters
+    ----------
+    value : float
+        The number.
+    digits : int
+        Significant ones.
+    scale : float
+        What it is measured by.
+    """
+    return f"{0.0 if abs(value) <= ROUNDING * scale else value:.{digits}g}"
+
+
 def fixed(values: Any, digits: int = 6) -> list[str]:
     """Numbers as text with a fixed number of digits, without negative zeros."""
     return [
@@ -311,22 +330,65 @@ OPTIONS = {
     'free="refuse"': "--free refuse",
     'learner="strict"': "--learner strict",
     "n_terms": "--terms",
+    "snr_db": "--snr",
+    "psp3.load('my_robot.urdf')": "my_robot.urdf",
 }
 """What remedies are called in Python, and on the command line."""
+
+
+REMEDIES = {
+    "no such file": "correct its name, or give its folder, too",
+    "(No such file or directory)": "correct its name, or give its folder, too",
+    " is a file": "name a directory",
+    " is a directory": "name a file",
+}
+"""What to do where a message ends in some words."""
 
 
 def as_options(text: str) -> str:
     """Return a text of the library with its remedies in words of the command line."""
     for argument, option in OPTIONS.items():
         text = text.replace(argument, option)
+    return _with_remedy(_with_option(text))
+
+
+def _with_option(text: str) -> str:
+    """Return a text that begins with the option that a value was given to, not with its name."""
+    name, must, rest = text.partition(" must be ")
+    option = "--" + name.replace("_", "-").replace(" ", "-")
+    return f"{option}{must}{rest}" if option in sys.argv else text
+
+
+def _with_remedy(text: str) -> str:
+    """Return a text with what to do, where it ends without that."""
+    for ending, remedy in REMEDIES.items():
+        if text.endswith(ending):
+            return f"{text}: {remedy}"
     return text
 
 
+def _refused_by_library(error: Exception) -> str:
+    """Return the value that typer's own reader refused without repeating it, or nothing."""
+    details = getattr(error.__cause__, "errors", None)
+    if details is None:
+        return ""
+    # Our readers' texts name their values; a ValueError of theirs is what they raise.
+    values = [one["input"] for one in details() if one["type"] != "value_error"]
+    return f", got {values[0]!r}" if values else ""
+
+
 def error_message(error: Exception) -> str | None:
-    """Return what a person needs to read of an error, in one line.
+    """Return what a person needs to read of an error, in one line that is not too long.
 
     None if it is none that a person made.
     """
+    from fuzzy2.support.bounded_files import shortened
+
+    text = _words_of(error)
+    return None if text is None else " ".join(shortened(text).split())
+
+
+def _words_of(error: Exception) -> str | None:
     if hasattr(error, "format_message"):
         context = getattr(error, "ctx", None)
         command = "psp3" if context is None else context.command_path
@@ -338,13 +400,15 @@ def error_message(error: Exception) -> str | None:
             .replace("Value error, ", "")
             .rstrip(".")
         )
-        return f"{command}: {' '.join(text.split())} (see {command} --help)"
+        text = _with_remedy(f"{' '.join(text.split())}{_refused_by_library(error)}")
+        # Of a group without a command typer shows the help, and says nothing.
+        return f"{command}: {text or 'give a command'} (see {command} --help)"
     if isinstance(error, MemoryError):
         return "psp3: this takes more memory than there is; ask for less time or fewer samples"
     from fuzzy2.errors import RaisedOnPurpose
 
     if isinstance(error, RaisedOnPurpose):
-        return f"psp3: {as_options(' '.join(str(error).split()))}"
+        return f"psp3: {as_options(str(error))}"
     if isinstance(error, OSError):
         reason = error.strerror or str(error)
         return (

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
-from psp3.cli.options import ParametersName, option_of, usage_error
+from psp3.cli.options import ParametersName, file_path, option_of, usage_error
 
 if TYPE_CHECKING:
     from psp3.robots.closed_loop_robot import ClosedLoopRobot
@@ -79,7 +79,12 @@ class RobotOptions:
     ] = THESIS_ROBOT
     loops: Annotated[
         Path | None,
-        typer.Argument(metavar="[LOOPS]", help="Loop file (.yaml) of a URDF.", show_default=False),
+        typer.Argument(
+            parser=file_path,
+            metavar="[LOOPS]",
+            help="Loop file (.yaml) of a URDF.",
+            show_default=False,
+        ),
     ] = None
     actuated: ActuatedOption = None
     free: FreeOption = None

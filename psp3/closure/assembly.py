@@ -1,4 +1,4 @@
-"""A first closed configuration, for a robot whose file leaves its loops a little open."""
+"""Find a first closed configuration of a robot whose file leaves its loops slightly open."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ import pinocchio as pin
 from psp3.checks import Array, checked_kind, one_row
 from psp3.errors import ClosureFailed
 from psp3.multibody.closing import LARGEST_REPAIR
+from psp3.multibody.first_answers import first_answer
 from psp3.multibody.flatten import FlatTree
-from psp3.multibody.motion import EQUATIONS, answer
+from psp3.multibody.motion import EQUATIONS
 from psp3.multibody.tree import COORDINATES, ROWS, SIZE, VELOCITIES
 
 NONE = np.empty(0)
@@ -50,7 +51,7 @@ def _equations(flat: FlatTree, q: Array, rows: int) -> tuple[Array, Array]:
     size, velocities = int(flat.integers[ROWS]), int(flat.integers[VELOCITIES])
     memory, out, none = np.empty(int(flat.integers[SIZE])), np.empty(size + rows * velocities), NONE
     at, tree, numbers = np.array(q, dtype=float), flat.integers, flat.numbers
-    answer(EQUATIONS, 1, 1, 0, tree, numbers, none, none, memory, at, none, none, out)
+    first_answer(EQUATIONS, 1, 1, 0, tree, numbers, none, none, memory, at, none, none, out)
     return out[:size], out[size:].reshape(rows, velocities)
 
 

@@ -1,4 +1,4 @@
-"""Links, what they are connected with, and the chains from the base to the end effector.
+"""Links, their connections, and the chains from the base to the end effector.
 
 The words are those of section 2.2.13 of the thesis. Joints of several degrees of freedom are chains
 of joints with one each, and bodies that a loop file welds together are one link.

@@ -115,7 +115,7 @@ def mobility(
     Returns
     -------
     Mobility
-        Degrees of freedom, rank and what the actuators make of them. ``str`` of it is a sentence.
+        Degrees of freedom, rank and actuators. ``str`` of it is a sentence.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Limits of the joints that no motor drives: what the loops may ask of them."""
+"""Limits of the joints that no motor drives."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from psp3.errors import JointLimitExceeded
 class PassiveLimits:
     """Limits of the joints that are not actuated.
 
-    Those of the motors are the business of trajectories and simulation.
+    Trajectories and the simulation check those of the motors.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Joint ranges: poses inside them, and what becomes of ranges that no closed pose keeps."""
+"""Joint ranges: poses inside them, and ranges that no closed pose fits."""
 
 from __future__ import annotations
 

@@ -20,6 +20,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from fuzzy2.support.described import Described
 from psp3.checks import Array, one_row
 from psp3.collisions.pairs import pairs_to_check
 from psp3.description.meshes import not_opened
@@ -51,7 +52,7 @@ class Nearest(NamedTuple):
     points: Array
 
 
-class CollisionModel:
+class CollisionModel(Described):
     """The shapes of a robot, and the pairs of links that must not touch.
 
     One object serves one thread at a time, because it computes in one ``data``.
@@ -124,6 +125,13 @@ class CollisionModel:
                 warnings.simplefilter("ignore", DeprecationWarning)
                 request.enable_cached_gjk_guess = False
         self._refuse_overlaps()
+
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "robot": self.robot,
+            "shapes": len(self.shapes.geometryObjects),
+            "pairs": len(self.pairs),
+        }
 
     def _refuse_overlaps(self) -> None:
         distances, _ = self._least(self.robot.q0, self._pair, len(self.pairs))

@@ -56,7 +56,7 @@ class Report:
     pair : (N,) ndarray of int
         Which of ``pairs`` they are.
     pairs : tuple of (str, str)
-        The pairs of links that were looked at.
+        The pairs of links that were checked.
     clearance : float
         The distance that was asked for [m].
     nearest : Contact

@@ -1,1 +1,1 @@
-"""Controllers that learn nothing."""
+"""Controllers that do not learn."""

@@ -20,10 +20,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fuzzy2.support.described import Described
 from psp3.checks import Array, as_floats, checked_not_negative, checked_positive
 from psp3.control import kernels
 from psp3.control.controller import SaysNothing, Stateless, Widths, widths_of
-from psp3.dynamics.dynamics_model import DynamicsModel, ForcesOfMotions
+from psp3.dynamics.dynamics_model import DynamicsModel, ForcesOfMotions, checked_model
 from psp3.errors import InvalidArray
 from psp3.trajectories.motion import Motion
 
@@ -68,7 +69,8 @@ def critically_damped_gains(bandwidth: float, mass: float | ArrayLike = 1.0) -> 
 
 def _gain(name: str, value: float | ArrayLike) -> float | Array:
     """Return a gain: a number that is not negative, or a square matrix."""
-    if np.ndim(value) == 0:
+    # Of rows of different lengths numpy knows no number of dimensions.
+    if not isinstance(value, list | tuple) and np.ndim(value) == 0:
         return checked_not_negative(name, value)
     matrix = as_floats(name, value, "(n, n)")
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not np.isfinite(matrix).all():
@@ -109,7 +111,7 @@ def _table_of(model: Any, widths: Widths) -> NamedTuple | None:
     return table
 
 
-class _OfModel(SaysNothing):
+class _OfModel(Described, SaysNothing):
     """What asks a model for forces, each closing of its loops from the pose of the one before."""
 
     def __init__(self, model: DynamicsModel) -> None:
@@ -122,6 +124,9 @@ class _OfModel(SaysNothing):
 
     def _model_table(self, widths: Widths) -> NamedTuple | None:
         return _table_of(self.model, widths)
+
+    def _facts(self) -> dict[str, Any]:
+        return {"model": self.model}
 
 
 def feed_forward(
@@ -158,7 +163,7 @@ class FeedForward(_OfModel):
         return kernels.classical(kernels.FEED_FORWARD, 0.0, 0.0, model, widths)
 
 
-class PD(SaysNothing, Stateless):
+class PD(Described, SaysNothing, Stateless):
     r"""Proportional and derivative feedback, :math:`\tau = k_p e + k_v \dot e`.
 
     There is no gravity term, so under the thesis's gains (Table 6.1) every screw sags by its weight
@@ -188,7 +193,12 @@ class PD(SaysNothing, Stateless):
         kv: float | ArrayLike = 100.0,
         model: Any = None,
     ) -> None:
+        if model is not None:
+            checked_model(model)
         self.kp, self.kv, self.model = _gain("kp", kp), _gain("kv", kv), model
+
+    def _facts(self) -> dict[str, Any]:
+        return {"model": self.model, "kp": self.kp, "kv": self.kv}
 
     @property
     def along_coordinates(self) -> bool:
@@ -243,6 +253,9 @@ class GravityCompensatedPD(_OfModel, PD):
         PD.__init__(self, kp, kv)
         _OfModel.__init__(self, model)
 
+    def _facts(self) -> dict[str, Any]:
+        return PD._facts(self)
+
     def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return feedback and gravity forces, of shape (3,) [N]."""
         rest, still = np.zeros(len(speeds)), np.zeros(len(desired.positions))
@@ -286,6 +299,9 @@ class PID(PD):
         self.ki = checked_not_negative("ki", ki)
         self.reset()
 
+    def _facts(self) -> dict[str, Any]:
+        return super()._facts() | {"ki": self.ki}
+
     def reset(self) -> None:
         """Forget the integral."""
         self._integral: Array | float = 0.0
@@ -319,7 +335,7 @@ class PID(PD):
 class ComputedTorque(_OfModel):
     r"""Computed torque (eq. 4.10–4.18).
 
-    The model makes the robot a unit mass, which a servo then steers.
+    The model turns the robot into a unit mass, which a servo then controls.
 
     .. math:: \tau = \alpha\, (\ddot a_d + k_v \dot e + k_p e) + \beta, \qquad
               \alpha = M(a), \quad \beta = C(a, \dot a)\, \dot a + G(a)
@@ -344,6 +360,9 @@ class ComputedTorque(_OfModel):
     def __init__(self, model: DynamicsModel, kp: float = 10.0, kv: float = 1.0) -> None:
         super().__init__(model)
         self.kp, self.kv = checked_not_negative("kp", kp), checked_not_negative("kv", kv)
+
+    def _facts(self) -> dict[str, Any]:
+        return {"model": self.model, "kp": self.kp, "kv": self.kv}
 
     @classmethod
     def critically_damped(cls, model: DynamicsModel, kp: float = 10.0) -> ComputedTorque:

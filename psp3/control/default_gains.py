@@ -1,4 +1,4 @@
-"""Gains for any robot, where none are given: a critically damped loop in the reference pose."""
+"""Default gains for any robot: a critically damped loop in the reference pose."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whose forces a controller's are: those of the motors, or forces along the coordinates."""
+"""Whether a controller's forces are those of the motors or act along the coordinates."""
 
 from __future__ import annotations
 

@@ -21,7 +21,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from psp3.checks import Array, as_floats, checked_function, checked_positive, checked_robot, one_row
+from fuzzy2.support.described import Described
+from psp3.checks import (
+    Array,
+    as_floats,
+    check_periods,
+    checked_function,
+    checked_positive,
+    checked_robot,
+    one_row,
+    overflow_refused,
+)
 from psp3.control import kernels, linear_quadratic_kernels
 from psp3.control.controller import SaysNothing, Widths, widths_of
 from psp3.dynamics.dynamics_model import ForcesOfMotions
@@ -31,6 +41,12 @@ from psp3.multibody.core import Tables
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from psp3.trajectories.motion import Motion
 from psp3.trajectories.trajectory import Trajectory
+
+MOST_PERIODS = 10**6
+"""Each has a matrix of gains."""
+
+SIZES = "the sizes of weights, inertia and period"
+"""What makes numbers overflow in a Riccati equation."""
 
 
 class Regulator(NamedTuple):
@@ -99,19 +115,20 @@ def lqr(system: LinearSystem, Q: ArrayLike, R: ArrayLike) -> Regulator:
     Q, R = _weight("Q", Q, m), _weight("R", R, n, definite=True)
     K, P = np.empty((*A.shape[:-2], n, m)), np.empty(A.shape)
     solve = solve_continuous_are if system.period is None else solve_discrete_are
-    for row in np.ndindex(A.shape[:-2]):
-        try:
-            P[row] = solve(A[row], B[row], Q, R)
-        except (np.linalg.LinAlgError, ValueError) as error:
-            raise NoStabilizingSolution(
-                np.linalg.eigvals(A[row]).astype(complex), system.period
-            ) from error
-        K[row] = (
-            np.linalg.solve(R, B[row].T @ P[row])
-            if system.period is None
-            else _gain(A[row], B[row], R, P[row])
-        )
-    poles = np.linalg.eigvals(A - B @ K).astype(complex)
+    with overflow_refused(SIZES):
+        for row in np.ndindex(A.shape[:-2]):
+            try:
+                P[row] = solve(A[row], B[row], Q, R)
+            except (np.linalg.LinAlgError, ValueError) as error:
+                raise NoStabilizingSolution(
+                    np.linalg.eigvals(A[row]).astype(complex), system.period
+                ) from error
+            K[row] = (
+                np.linalg.solve(R, B[row].T @ P[row])
+                if system.period is None
+                else _gain(A[row], B[row], R, P[row])
+            )
+        poles = np.linalg.eigvals(A - B @ K).astype(complex)
     unstable = ~(poles.real < 0.0 if system.period is None else np.abs(poles) < 1.0)
     if unstable.any():
         raise NoStabilizingSolution(poles[unstable.any(axis=-1)][0], system.period)
@@ -165,12 +182,13 @@ def time_varying_lqr(
         if terminal is None
         else _weight("terminal", terminal, m)
     )
-    for k in reversed(range(len(A))):
-        K[k] = _gain(A[k], B[k], R, P[k + 1])
-        closed = A[k] - B[k] @ K[k]
-        # Of the forms of this equation the one whose rounding errors leave P symmetric and
-        # positive.
-        P[k] = Q + K[k].T @ R @ K[k] + closed.T @ P[k + 1] @ closed
+    with overflow_refused(SIZES):
+        for k in reversed(range(len(A))):
+            K[k] = _gain(A[k], B[k], R, P[k + 1])
+            closed = A[k] - B[k] @ K[k]
+            # Of the forms of this equation the one whose rounding errors leave P symmetric and
+            # positive.
+            P[k] = Q + K[k].T @ R @ K[k] + closed.T @ P[k + 1] @ closed
     return TimeVaryingRegulator(K, P)
 
 
@@ -195,8 +213,8 @@ def _weight(name: str, values: ArrayLike, width: int, definite: bool = False) ->
     return symmetric
 
 
-class LinearQuadraticRegulator(SaysNothing):
-    r"""The forces of the desired motion and a regulator of one pose.
+class LinearQuadraticRegulator(Described, SaysNothing):
+    r"""Forces of the desired motion plus a regulator designed at one pose.
 
     It is the linear-quadratic regulator on the errors of position and speed.
 
@@ -258,6 +276,9 @@ class LinearQuadraticRegulator(SaysNothing):
         self.system = discretize(_commanded(robot, linearize(robot, pose), pose), period)
         self.regulator = lqr(self.system, Q, R)
 
+    def _facts(self) -> dict[str, Any]:
+        return {"robot": self.robot, "gain": self.regulator.K}
+
     def reset(self) -> None:
         """Forget the pose of the last call, which changes nothing but rounding."""
         self._forces_of.forget()
@@ -278,8 +299,8 @@ class LinearQuadraticRegulator(SaysNothing):
         return _table(self.robot, self.regulator.K, widths, 1.0, self._pose)
 
 
-class TimeVaryingLinearQuadraticRegulator(SaysNothing):
-    r"""The forces of the desired motion and a regulator along it.
+class TimeVaryingLinearQuadraticRegulator(Described, SaysNothing):
+    r"""Forces of the desired motion plus a regulator designed along it.
 
     It is the linear-quadratic regulator on the errors of position and speed.
 
@@ -336,14 +357,22 @@ class TimeVaryingLinearQuadraticRegulator(SaysNothing):
             )
         self.robot, self.period = robot, checked_positive("period", period)
         self._forces_of = ForcesOfMotions(robot)
-        self.t = self.period * np.arange(
-            int(checked_positive("duration", duration) / self.period + 1e-9) + 1
-        )
+        duration = checked_positive("duration", duration)
+        check_periods(duration, self.period, MOST_PERIODS)
+        self.t = self.period * np.arange(int(duration / self.period + 1e-9) + 1)
         motion = trajectory(self.t)
         self.system = discretize(
             linearize(robot, motion.positions, motion.speeds, motion.accelerations), self.period
         )
         self.regulator = time_varying_lqr(self.system, Q, R, terminal)
+
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "robot": self.robot,
+            "duration": f"{self.t[-1]:g} s",
+            "period": f"{self.period:g} s",
+            "gains": self.regulator.K,
+        }
 
     def reset(self) -> None:
         """Forget the pose of the last call, which changes nothing but rounding."""

@@ -1,4 +1,4 @@
-r"""Computed torque in the coordinates of a frame, which stays bounded where the frame's map folds.
+r"""Computed torque in the coordinates of a frame, bounded near singularities.
 
 Where the smallest singular value :math:`\sigma` of the Jacobian vanishes, its inverse asks for
 infinite accelerations. For the tip of the 3-PSP this is the border of its reach, 23.9 mm from the
@@ -44,7 +44,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, checked_not_negative
+from fuzzy2.support.described import Described
+from psp3.checks import Array, checked_function, checked_not_negative
 from psp3.closure.rank import RANK_TOLERANCE
 from psp3.control.controller import SaysNothing, Widths, widths_of
 from psp3.control.task_space_kernels import (
@@ -92,10 +93,14 @@ def damped_reciprocals(singular_values: ArrayLike, threshold: float) -> Array:
     return damped
 
 
-class TaskSpaceComputedTorque(SaysNothing):
-    r"""Computed torque on a frame.
+LEAST_DAMPED = 1e-12
+"""Less is rounding of the singular value."""
 
-    The model makes the robot a unit mass in the coordinates of the task.
+
+class TaskSpaceComputedTorque(Described, SaysNothing):
+    r"""Computed torque in the coordinates of a frame.
+
+    The model turns the robot into a unit mass in the coordinates of the task.
 
     .. math:: \tau = M \ddot a + C \dot a + G, \qquad
               \ddot a = J^\# \big( \ddot x_d + k_v \dot e + k_p e - \dot J \dot a \big), \qquad
@@ -148,19 +153,31 @@ class TaskSpaceComputedTorque(SaysNothing):
         task: Sequence[str] = ("x", "y", "z"),
         damped_below: float = 0.15,
     ) -> None:
+        if path is not None:
+            checked_function("path", path)
         self.robot, self.path, self._forces_of = robot, path, ForcesOfMotions(robot)
         self.kp, self.kv = checked_not_negative("kp", kp), checked_not_negative("kv", kv)
         share = checked_not_negative("damped_below", damped_below)
-        if share >= 1.0:
+        if share >= 1.0 or 0.0 < share < LEAST_DAMPED:
             raise InvalidValue(
                 "damped_below",
                 damped_below,
-                "a share of the reference pose's singular value, below 1",
+                f"0, or a share of the reference pose's singular value, {LEAST_DAMPED:g} or more "
+                "and below 1",
             )
         self.space = square_task(checked_motors(robot), frame, task)
         self._scaled = _ScaledJacobian(self.space)
         self.threshold = share * self._scaled.at_reference
         r"""The singular value :math:`\varepsilon` below which the inverse is damped."""
+
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "robot": self.robot,
+            "kp": self.kp,
+            "kv": self.kv,
+            "frame": self.space.frame,
+            "task": self.space.task,
+        }
 
     def reset(self) -> None:
         """Forget the pose of the last call, which changes nothing but rounding."""

@@ -1,4 +1,4 @@
-"""Loops that a URDF tells by the names of its frames.
+"""Loops that a URDF declares by the names of its frames.
 
 A URDF is a tree. onshape-to-robot makes of a mate ``closing_<name>`` that would close a loop two
 frames, ``closing_<name>_1`` and ``closing_<name>_2``, and the examples of PlaCo join them in the

@@ -1,4 +1,4 @@
-"""MuJoCo's opinion of an MJCF file, beside ours.
+"""Compare how MuJoCo reads an MJCF file with how this package reads it.
 
 It compiles the file itself. What both must agree on are masses and inertias of everything that
 moves by itself, and where bodies and sites are.

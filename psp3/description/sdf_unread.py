@@ -1,4 +1,4 @@
-"""What of an SDF file is not read: told where the robot stays the same, refused otherwise."""
+"""Parts of an SDF file that are not read: a warning if the robot stays the same, else an error."""
 
 from __future__ import annotations
 

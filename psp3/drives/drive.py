@@ -50,7 +50,7 @@ from psp3.errors import InvalidValue
 
 @dataclass(frozen=True)
 class Drive:
-    r"""Friction, motor and lead of one actuated joint; without arguments one that is not there.
+    r"""Friction, motor inertia and lead of one actuated joint; without arguments an ideal drive.
 
     Parameters
     ----------

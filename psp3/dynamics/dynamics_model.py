@@ -100,6 +100,12 @@ class ForcesOfMotions(StateAfterState):
         return assembled
 
 
+def checked_model(model: Any) -> None:
+    """Raise :class:`InvalidValue` if something is no model of a robot's dynamics."""
+    if not hasattr(model, "actuator_forces"):
+        equation_of_motion_of(model)
+
+
 def equation_of_motion_of(
     model: DynamicsModel,
 ) -> Callable[[ArrayLike, ArrayLike], tuple[Array, Array, Array]]:

@@ -37,7 +37,7 @@ def linearize(
     speeds: ArrayLike | None = None,
     accelerations: ArrayLike | None = None,
 ) -> LinearSystem:
-    r"""Return the linear system that a robot is close to about given motions.
+    r"""Return the linearization of a robot about given motions.
 
     .. math::
 

@@ -1,4 +1,4 @@
-r"""What the motors of a robot do, and which motor forces do what is wanted.
+r"""Motors of a robot: the forces they produce, and the motor forces for wanted forces.
 
 With B what each motor drives, a column of joint velocities each, motor forces :math:`\tau` are
 forces :math:`A \tau` along the coordinates, :math:`A = L^T B`. Where motors are more than the

@@ -28,6 +28,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from fuzzy2.support.described import Described
 from psp3.checks import Array, applied_to_rows
 from psp3.closure.passive_limits import PassiveLimits
 from psp3.dynamics.mechanism import HasTree, Mechanism
@@ -326,7 +327,7 @@ class _State:
         return self.mass @ accelerations + self.coriolis @ speeds + self.gravity
 
 
-class NaturalOrthogonalComplement:
+class NaturalOrthogonalComplement(Described):
     """Natural orthogonal complement of a tree with loops.
 
     All methods take full Pinocchio vectors ``q`` (..., nq) and ``v`` (..., nv) with
@@ -354,6 +355,9 @@ class NaturalOrthogonalComplement:
         self._twist_rows = 6 * len(self._tree.joints)
         self.body_names: tuple[str, ...] = tuple(map(self._body_name, self._tree.joints))
         """Names of the bodies, in the order of the rows of K and T."""
+
+    def _facts(self) -> dict[str, Any]:
+        return {"robot": self.robot, "bodies": len(self.body_names)}
 
     def __reduce__(self) -> tuple[type[NaturalOrthogonalComplement], tuple[HasTree]]:
         # Pinocchio pickles neither constraints nor what it computes of them.

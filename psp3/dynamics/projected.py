@@ -15,11 +15,13 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from fuzzy2.support.described import Described
 from psp3.checks import Array, applied_to_rows, one_row
 from psp3.closure.coordinates import floating_base
 from psp3.closure.passive_limits import PassiveLimits
@@ -34,7 +36,7 @@ from psp3.dynamics.projected_derivatives import projected_derivatives
 from psp3.errors import InvalidValue, NoFiniteAnswer
 
 
-class ProjectedDynamics:
+class ProjectedDynamics(Described):
     r"""Projected RNEA and CRBA of a tree with loops, in actuated coordinates.
 
     One object serves one thread at a time, because it computes in one ``data``.
@@ -85,6 +87,9 @@ class ProjectedDynamics:
         self._crba_holds = bool(self.model.check(self.data))
         self._upper = np.triu(np.ones((self.model.nv, self.model.nv)))
         self._rest = np.zeros(self.model.nv)
+
+    def _facts(self) -> dict[str, Any]:
+        return {"robot": self._robot, "motors": self.actuated}
 
     def __reduce__(self) -> tuple[type[ProjectedDynamics], tuple[HasTree]]:
         # Pinocchio pickles neither constraints nor what it computes of them.

@@ -1,4 +1,4 @@
-"""Anything that can be written in C, by one name."""
+"""One function that exports everything that can be written in C."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def _code_of_system(
     """Return the C code of a fuzzy system, or None of what is none."""
     if not isinstance(thing, FuzzySystem | ParallelSystem | AnYaSystem):
         return None
-    return systems.c_code_of(thing, precision=precision, name=name or "system")
+    return systems.c_code_of(thing, precision=precision, name="system" if name is None else name)
 
 
 KINDS: tuple[Callable[..., CCode | None], ...] = (
@@ -61,8 +61,8 @@ def export_c(
     """Write a robot, a controller or a fuzzy system as one self-contained .c and .h file in C99.
 
     The code is translated from the kernels that Python runs: in double precision, and where the C
-    library's functions are the same, its numbers are the same to the last bit. It asks for no
-    memory, and needs nothing but ``math.h``.
+    library's functions are the same, its numbers are the same to the last bit. It allocates no
+    memory and needs only ``math.h``.
 
     Parameters
     ----------

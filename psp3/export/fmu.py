@@ -30,6 +30,7 @@ from psp3.checks import (
     checked_kind,
     checked_path,
     checked_positive,
+    checked_robot,
     checked_steps,
     known_name,
 )
@@ -158,6 +159,10 @@ def export_fmu(
         wanted = f"an identifier of C: at most {_LONGEST} letters, digits and underscores"
         raise InvalidValue("name", name, wanted)
     steps, standard = checked_steps(steps), _standard(version)
+    if robot is not None:
+        checked_robot(robot)
+        if hasattr(thing, "compiled_steps"):
+            raise InvalidValue("robot", robot, "left out: it is for controllers")
     if isinstance(thing, str | Path):
         thing = FuzzyComputedTorque.load(thing, robot)
     if hasattr(thing, "torque") and hasattr(thing, "reset"):

@@ -96,7 +96,8 @@ def export_project(
         If the folder has a file of one of the names that no export left there as it is.
     """
     if hasattr(thing, "input_names"):
-        return export_system(thing, folder, precision=precision, name=name or "system")
+        prefix = "system" if name is None else name
+        return export_system(thing, folder, precision=precision, name=prefix)
     code = c_code(thing, precision=precision, name=name, **options)
     if isinstance(thing, Robot):
         write_project(code, folder, typical_inputs.of_robot(thing))

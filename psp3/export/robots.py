@@ -16,7 +16,7 @@ import numpy as np
 
 from fuzzy2.errors import NotExportable
 from fuzzy2.export.c_code import Argument, CCode, CWriter, Known
-from psp3.checks import checked_count
+from psp3.checks import checked_count, checked_kind
 from psp3.export import closed_form, robot_kernels, robot_memory, robot_text, single
 from psp3.export.robot_kernels import CoreTables, MotorTables
 from psp3.multibody.closing import MOST_ATTEMPTS
@@ -92,6 +92,8 @@ def robot_code(
             "it may change the dynamics of its parts, which are what is written",
             "a psp3.ClosedLoopRobot of the same parts",
         )
+    if name is not None:
+        checked_kind("name", name, str, "text, of which an identifier of C is made")
     prefix = robot_text.identifier(name) if name else robot_text.prefix_of(robot.model.name)
     if isinstance(table, ClosedForm):
         return closed_form.code_of(robot, table, precision, prefix, frames, functions)

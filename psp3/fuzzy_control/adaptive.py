@@ -43,6 +43,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fuzzy2.support.described import Described
 from psp3.checks import Array, checked_number, checked_positive, one_row
 from psp3.control.controller import Widths
 from psp3.errors import InvalidValue
@@ -76,8 +77,8 @@ CRITICAL_TIMES = 4.0
 _ROWS = ("positions", "speeds", "desired positions", "desired speeds", "desired accelerations")
 
 
-class AdaptiveFuzzyComputedTorque:
-    r"""Fuzzy computed torque whose rules for M and G adapt to what the robot does.
+class AdaptiveFuzzyComputedTorque(Described):
+    r"""Fuzzy computed torque whose rules for M and G adapt while the robot moves.
 
     It takes the place of a trained controller.
 
@@ -191,6 +192,9 @@ class AdaptiveFuzzyComputedTorque:
         self.memory, self.trust = times["memory"], times["trust"]
         self.rules = slotine_li.trained_rules(self.base, self.trust, self.reach)
         self.settings = slotine_li_kernels.Settings(poles.slope, 1.0 / self.memory)
+
+    def _facts(self) -> dict[str, Any]:
+        return {**self.base._facts(), **self._times, "reach": self.reach}
 
     def __repr__(self) -> str:
         times = self._times | {"reach": self.reach}

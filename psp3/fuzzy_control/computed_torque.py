@@ -9,9 +9,9 @@ differences, and of any other robot from positions and speeds.
 M, C and G are fuzzy numbers, the type-reduced outputs of one rule base; so are :math:`\alpha`,
 :math:`\beta` and the torque, which the thesis defuzzifies last. Intervals and Gaussian numbers are
 affine (Theorems 1.4, 1.5): their crisp torque is the same when M, C and G are defuzzified first,
-which is what :meth:`FuzzyComputedTorque.torque` does unless it is told otherwise. Numbers by
-α-planes are of no such kind. Their torque depends on the order, and ``defuzzify="last"`` takes the
-thesis's: the centroid (eq. 1.68) of the fuzzy torque. Either way it is one compiled call.
+which :meth:`FuzzyComputedTorque.torque` does by default. Numbers by α-planes are of no such kind.
+Their torque depends on the order, and ``defuzzify="last"`` takes the thesis's: the centroid (eq.
+1.68) of the fuzzy torque. Either way it is one compiled call.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from fuzzy2.learning.partition import KINDS
 from fuzzy2.numbers.affine import GaussianNumber, IntervalNumber
 from fuzzy2.reduction.general import cut_centroid
 from fuzzy2.support.compiled import only_for
+from fuzzy2.support.described import Described
 from fuzzy2.systems.general_type2 import GeneralType2System
 from fuzzy2.systems.system import FuzzySystem
 from psp3.checks import (
@@ -40,9 +41,12 @@ from psp3.checks import (
     checked_number,
     checked_positive,
     checked_random,
+    checked_truth,
     finite_rows,
     known_name,
+    listed,
     one_row,
+    overflow_refused,
 )
 from psp3.control.controller import Widths
 from psp3.errors import InvalidArray, InvalidValue, NotTrained, UnusableEstimate
@@ -88,7 +92,7 @@ FuzzyNumbers = IntervalNumber | GaussianNumber
 _ROWS = ("positions", "speeds", "desired positions", "desired speeds", "desired accelerations")
 
 
-class FuzzyComputedTorque:
+class FuzzyComputedTorque(Described):
     r"""Computed torque with learned M, C and G: type-1, interval type-2 or general type-2.
 
     Parameters
@@ -99,14 +103,14 @@ class FuzzyComputedTorque:
         secondary grades: the thesis's future work).
     robot : Robot, optional
         The robot to learn from, whose n coordinates are its motors; ``psp3.load("psp3")`` by
-        default. What its dynamics depend on it says itself, ``robot.learning_inputs``. Where M and
-        G depend on less than C does, they have a rule base of their own.
+        default. ``robot.learning_inputs`` says what its dynamics depend on. Where M and G depend on
+        less than C does, they have a rule base of their own.
     kp, kv : float
         Gains of the servo, 10 [1/s²] and 1 [1/s] in Table 6.1.
     n_terms : int, optional
-        Terms of every input, on a grid of rules. By default two where one rule base says all, as of
-        the 3-PSP, which makes 16 rules; and else no grid, nor where the grid of one of several rule
-        bases would have more than 256 rules.
+        Terms of every input, on a grid of rules. By default two where one rule base is enough, as
+        for the 3-PSP, which makes 16 rules; and else no grid, nor where the grid of one of several
+        rule bases would have more than 256 rules.
     rules : int, optional
         Rules of every base where they are no grid, 32 by default: each stands about a sample, which
         are chosen so that they cover all evenly.
@@ -236,6 +240,18 @@ class FuzzyComputedTorque:
         self._model: Any = kernels.NO_MODEL
         self.reset()
 
+    def _facts(self) -> dict[str, Any]:
+        rules = None if self._controller is None else sum(len(s.rules) for s in self.systems_)
+        return {
+            "kind": self.kind,
+            "robot": self.robot,
+            "kp": self.kp,
+            "kv": self.kv,
+            "learner": self.learner,
+            "mean_variation": self.mean_variation,
+            "rules": "not trained" if rules is None else rules,
+        }
+
     def __repr__(self) -> str:
         numbers = [] if self._controller is None else [len(s.rules) for s in self.systems_]
         trained = f"{' + '.join(map(str, numbers))} rules" if numbers else "not trained"
@@ -266,7 +282,7 @@ class FuzzyComputedTorque:
             Length of the training run [s].
         samples : int, optional
             Number of samples, spread evenly over the recorded inputs; 209 by default where one rule
-            base says all, and else 2000, or as many as there are.
+            base is enough, and else 2000, or as many as there are.
         rng : numpy.random.Generator, optional
             Source of the noise on the samples; a new one by default. Not used at an infinite
             signal-to-noise ratio.
@@ -305,6 +321,7 @@ class FuzzyComputedTorque:
             wanted = f"one of {self.robot.title}, with the inputs {', '.join(self.inputs.names)}"
             raise InvalidValue("recorded", ", ".join(recorded.input_names), wanted)
         checked_random(rng)
+        checked_kind("noise", noise, RecordNoise, "a RecordNoise")
         if samples is None:
             samples = self.samples
             if samples == MOST_SAMPLES:
@@ -368,13 +385,15 @@ class FuzzyComputedTorque:
         for name, array in zip(("speeds", "accelerations", "forces"), arrays[1:], strict=True):
             if array.shape != arrays[0].shape:
                 raise InvalidArray(name, f"{arrays[0].shape}, one row for each position", array)
+        is_definite = checked_truth("positive_definite", positive_definite)
         inputs = self.inputs.of(arrays[0], arrays[1])
         ranges_of_moving(inputs, self.inputs.names, "positions and speeds")
         a, v, w, force = arrays
-        systems = rule_bases.systems_from_motion(
-            *(self._options, self.places, self.inputs, (a, v, w), force),
-            *(self.coriolis == "mass", positive_definite),
-        )
+        with overflow_refused("the sizes of positions, speeds, accelerations and forces"):
+            systems = rule_bases.systems_from_motion(
+                *(self._options, self.places, self.inputs, (a, v, w), force),
+                *(self.coriolis == "mass", is_definite),
+            )
         self._take(systems, np.stack([inputs.min(axis=0), inputs.max(axis=0)]))
         return self
 
@@ -387,6 +406,7 @@ class FuzzyComputedTorque:
 
     def terms_of(self, place: Place) -> int:
         """Return how many terms every input of a rule base has."""
+        checked_kind("place", place, Place, "one of places")
         return rule_bases.terms_of_input(self._options, len(place.columns))[0]
 
     def _take(self, systems: Sequence[FuzzySystem], ranges: Array) -> None:
@@ -420,11 +440,22 @@ class FuzzyComputedTorque:
 
         Raises
         ------
+        NotTrained
+            If nothing was learned yet.
+        InvalidValue
+            If they are not as many fuzzy systems as there are.
         UnusableEstimate
             If the average mass matrix is not positive definite.
         """
+        if self._controller is None:
+            raise NotTrained(type(self).__name__)
+        wanted = f"a list of fuzzy systems, {len(self.places)}: one for each of systems_"
+        given = listed("systems", systems, wanted)
+        is_one = [isinstance(system, FuzzySystem) for system in given]
+        if len(given) != len(self.places) or not all(is_one):
+            raise InvalidValue("systems", systems, wanted)
         other = copy.copy(self)
-        other._take(systems, self.ranges_)
+        other._take(given, self.ranges_)
         return other
 
     def _stepped(self, rows: tuple[Array, Array, Array, Array, Array], step: Array) -> int:
@@ -435,7 +466,7 @@ class FuzzyComputedTorque:
 
     @property
     def system_(self) -> FuzzySystem:
-        """What was learned, where one system says all.
+        """What was learned, where one system is enough.
 
         Raises
         ------
@@ -521,6 +552,7 @@ class FuzzyComputedTorque:
             raise NotTrained(type(self).__name__)
         # A new array in every call: the torque is a view of it, and stays what it is.
         step = np.empty(3 * self.joints + 2)
+        checked_kind("desired", desired, Motion, "a Motion, what a trajectory returns at a time")
         rows = (heights, speeds, desired.positions, desired.speeds, desired.accelerations)
         try:
             done = self._stepped(rows, step)
@@ -683,6 +715,7 @@ class FuzzyComputedTorque:
         NotTrained, InvalidArray
             As from :meth:`torque`.
         """
+        checked_kind("desired", desired, Motion, "a Motion, what a trajectory returns at a time")
         rows = (heights, speeds, desired.positions, desired.speeds, desired.accelerations)
         a, v, *wanted = (
             one_row(name, row, self.joints) for name, row in zip(_ROWS, rows, strict=True)
@@ -717,6 +750,8 @@ class FuzzyComputedTorque:
         """
         if self._controller is None:
             raise NotTrained(type(self).__name__)
+        wanted = "a number, as torque_number returns it"
+        checked_kind("number", number, (IntervalNumber, GaussianNumber), wanted)
         first = self.systems_[0]
         if (
             isinstance(number, GaussianNumber)

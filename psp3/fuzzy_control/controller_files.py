@@ -15,7 +15,7 @@ from fuzzy2.support.json_text import parse_json
 from fuzzy2.support.text_files import read_text, write_text
 from fuzzy2.systems.general_type2 import GeneralType2System
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
-from psp3.checks import Array, checked_not_negative, checked_path
+from psp3.checks import Array, checked_not_negative, checked_path, checked_robot
 from psp3.description.parts import ROBOTS
 from psp3.errors import InvalidControllerFile
 from psp3.fuzzy_control.numbers import output_names, pack
@@ -91,6 +91,8 @@ def identity(robot: Any) -> dict[str, Any]:
 def load(kind_of_controller: type[Any], path: str | Path, robot: Any) -> Any:
     """Read a controller, see :meth:`psp3.FuzzyComputedTorque.load`."""
     path = checked_path("path", path)
+    if robot is not None:
+        checked_robot(robot)
     try:
         return _controller_from(kind_of_controller, parse_json(read_text(path)), robot, path)
     except InvalidControllerFile:

@@ -16,12 +16,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from psp3.checks import Array, as_floats, checked_number, checked_positive
+from fuzzy2.support.described import Described
+from psp3.checks import Array, as_floats, checked_number, checked_positive, listed
 from psp3.errors import InvalidArray, InvalidValue, NoThreshold
 
 
@@ -54,12 +55,12 @@ def torque_width(interval: ArrayLike) -> Array:
     return np.asarray((ends[..., 1] - ends[..., 0]).sum(axis=-1))
 
 
-class Monitor:
-    r"""An alarm on a signal that is greater than it was while everything was well.
+class Monitor(Described):
+    r"""An alarm on a signal that exceeds its level in normal operation.
 
     The signal s passes a first-order low-pass filter, :math:`T \dot y = s - y`. The alarm comes on
     where y exceeds the threshold that was learned, and goes off where y falls below the threshold
-    less a share of it, so that it does not flutter.
+    less a share of it, so that it does not switch rapidly.
 
     Parameters
     ----------
@@ -95,6 +96,14 @@ class Monitor:
             raise InvalidValue("hysteresis", hysteresis, "at least 0 and below 1")
         self.time_constant = checked_positive("time_constant", time_constant)
         self.reset()
+
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "threshold": getattr(self, "threshold_", "not learned"),
+            "quantile": self.quantile,
+            "hysteresis": self.hysteresis,
+            "time_constant": f"{self.time_constant:g} s",
+        }
 
     def reset(self) -> None:
         """Forget the signal so far; what was learned stays.
@@ -164,7 +173,13 @@ class Monitor:
         InvalidArray
             As from :meth:`filtered`.
         """
-        levels = [self.filtered(t, signal) for t, signal in runs]
+        wanted = "a list of pairs, times and values of each run"
+        levels = []
+        for run in listed("runs", runs, wanted):
+            pair = listed("runs", run, wanted)
+            if len(pair) != 2:
+                raise InvalidValue("runs", run, wanted)
+            levels.append(self.filtered(*pair))
         if not levels:
             raise InvalidValue("runs", [], "at least one run")
         self.threshold_ = float(np.quantile(np.concatenate(levels), self.quantile))

@@ -15,10 +15,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fuzzy2.support.described import Described
 from psp3.checks import Array, finite_rows
 from psp3.control.classical import ComputedTorque
 from psp3.errors import InvalidValue, UnknownName
@@ -100,8 +102,8 @@ def differences(heights: ArrayLike, speeds: ArrayLike) -> Array:
     return differences_of_three().of(*np.broadcast_arrays(a, v))
 
 
-@dataclass(frozen=True)
-class Record:
+@dataclass(frozen=True, repr=False)
+class Record(Described):
     """A recorded run.
 
     Parameters
@@ -128,6 +130,14 @@ class Record:
     _chosen: dict[int, NDArray[np.intp]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
+
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "duration": f"{self.t[-1] if len(self.t) else 0.0:g} s",
+            "samples": len(self.t),
+            "inputs": self.input_names,
+            "outputs": self.output_names,
+        }
 
     @property
     def heights(self) -> Array:

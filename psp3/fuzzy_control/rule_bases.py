@@ -1,4 +1,4 @@
-"""Rule bases of M, C and G: which there are of a robot, how they are learned, and as one table."""
+"""Rule bases of M, C and G: which ones a robot has, how they are learned, and as one table."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from fuzzy2.learning.partition import (
     partition_of_centers,
 )
 from fuzzy2.learning.wang_mendel import LEARNERS as LEARNERS_OF_RULES
-from fuzzy2.learning.wang_mendel import WangMendel
+from fuzzy2.learning.wang_mendel import MOST_RIDGE_RULES, MOST_RULES, WangMendel
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 from fuzzy2.sets.shapes import Gaussian
 from fuzzy2.systems.firing_kernels import HEADER, TERM
@@ -128,6 +128,7 @@ def learned_system(
     number, on_grid = terms_of_input(options, len(names))
     by_validation = options.learner == "least-squares"
     if on_grid:
+        _check_grid(options, len(names))
         learner = WangMendel(
             number,
             options.kind,
@@ -164,6 +165,17 @@ def learned_system(
             )
             raise InvalidValue("term_width", options.term_width, wanted)
     return system
+
+
+def _check_grid(options: RuleOptions, inputs: int) -> None:
+    """Raise :class:`InvalidValue` where a grid would have more rules than can be learned."""
+    ridge = options.learner in ("ridge", "least-squares")
+    most, terms = MOST_RIDGE_RULES if ridge else MOST_RULES, options.n_terms or 1
+    if terms**inputs > most:
+        # Rounded down, but for what rounding makes of a whole number.
+        fit = int(most ** (1.0 / inputs) + 1e-9)
+        wanted = f"at most {fit}: each combination of the terms of {inputs} inputs is a rule"
+        raise InvalidValue("n_terms", terms, wanted)
 
 
 def partition_of(options: RuleOptions, inputs: Array, names: tuple[str, ...]) -> Partition:

@@ -126,12 +126,12 @@ def exciting_motion(
     steps: int = 15,
     rng: np.random.Generator | None = None,
 ) -> FourierSeries:
-    """Return a periodic motion that tells much about base parameters.
+    """Return a periodic motion from which base parameters can be estimated well.
 
     The best of some random series is improved by a quasi-Newton method (L-BFGS-B). Each actuated
-    joint keeps its limits at all times, not only at samples; where it would not, all its amplitudes
-    are reduced alike. That the loops close, within the limits of the other joints, is looked at
-    closely spaced samples. The result is a good motion, hardly ever the best.
+    joint keeps its limits at all times, not only at samples; otherwise all its amplitudes are
+    scaled down. Closely spaced samples are checked: the loops must close within the limits of the
+    other joints. The result is a good motion, but rarely the optimum.
 
     Parameters
     ----------

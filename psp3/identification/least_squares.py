@@ -12,10 +12,12 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fuzzy2.support.described import Described
 from psp3.checks import (
     Array,
     checked_kind,
@@ -57,8 +59,8 @@ does.
 """
 
 
-@dataclass(frozen=True, eq=False)
-class Identified:
+@dataclass(frozen=True, eq=False, repr=False)
+class Identified(Described):
     """Base parameters found from measurements.
 
     Parameters
@@ -94,6 +96,17 @@ class Identified:
     condition: float
     motion: FourierSeries
     residual_correlation: Array
+
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "parameters": tuple(
+                f"{name} = {value:.4g} ± {error:.2g}"
+                for name, value, error in zip(
+                    self.base.names, self.values, self.standard_errors, strict=True
+                )
+            ),
+            "condition": self.condition,
+        }
 
     @property
     def standard_errors(self) -> Array:

@@ -1,4 +1,4 @@
-"""Whether what a fit leaves is independent from sample to sample."""
+"""Whether the residuals of a fit are independent from sample to sample."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""Which numbers of a robot are to be found.
+r"""The unknowns of an identification: which numbers of a robot are estimated.
 
 All standard parameters of its bodies, those of equal bodies once, or those of Table 3.1.
 

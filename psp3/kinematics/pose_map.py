@@ -19,9 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy2.support.bounded_files import LARGEST_NUMBERS
+from fuzzy2.support.described import Described
 from fuzzy2.support.json_text import parse_json
 from fuzzy2.support.text_files import read_text, write_text
-from psp3.checks import Array
+from psp3.checks import Array, checked_count, checked_path
 from psp3.errors import InvalidArray, InvalidMapFile, InvalidValue, UnknownName
 from psp3.kinematics.singularities import Measures
 from psp3.kinematics.tasks import checked_task
@@ -77,8 +78,8 @@ class Status(IntEnum):
     """None of that; usable poses are connected with each other."""
 
 
-@dataclass(frozen=True, eq=False)
-class KinematicMap:
+@dataclass(frozen=True, eq=False, repr=False)
+class KinematicMap(Described):
     """A robot's poses over a grid.
 
     Each array has the grid's dimensions first; where a pose is unreachable, numbers are NaN.
@@ -131,6 +132,15 @@ class KinematicMap:
     margin: Array
     measures: Measures
 
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "robot": self.robot,
+            "frame": self.frame,
+            "task": self.task,
+            "grid": tuple(f"{name}: {len(values)}" for name, values in self.grid.items()),
+            "held": tuple(f"{name} = {value:.4g}" for name, value in self.held.items()) or None,
+        }
+
     def __post_init__(self) -> None:
         shape = tuple(values.size for values in self.grid.values())
         for name, array in self.arrays().items():
@@ -161,9 +171,12 @@ class KinematicMap:
 
         Raises
         ------
+        InvalidValue
+            If it is no path.
         fuzzy2.errors.FileNotWritten
             If the file cannot be written; what was there before remains.
         """
+        target = checked_path("path", path)
         content = {
             "format": FORMAT,
             "robot": self.robot,
@@ -177,8 +190,8 @@ class KinematicMap:
             "grid": {name: values.tolist() for name, values in self.grid.items()},
             "arrays": {name: _written(array) for name, array in self.arrays().items()},
         }
-        write_text(json.dumps(content, allow_nan=False, ensure_ascii=False) + "\n", path)
-        return Path(path)
+        write_text(json.dumps(content, allow_nan=False, ensure_ascii=False) + "\n", target)
+        return target
 
     @classmethod
     def load(cls, path: str | Path, largest: int = LARGEST_NUMBERS) -> KinematicMap:
@@ -193,11 +206,14 @@ class KinematicMap:
 
         Raises
         ------
+        InvalidValue
+            If it is no path.
         InvalidMapFile
             If the file is missing, larger than asked for, or not a whole map of this version.
         """
+        path = checked_path("path", path)
         try:
-            content = parse_json(read_text(path, largest))
+            content = parse_json(read_text(path, checked_count("largest", largest)))
         except OSError as error:
             raise InvalidMapFile(path, f"cannot be read ({error.strerror or error})") from error
         except ValueError as error:

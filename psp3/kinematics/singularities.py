@@ -41,12 +41,13 @@ Journal of Mechanical Design 128 (2006), for what these numbers cannot say.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from fuzzy2.support.described import Described
 from psp3.checks import Array, checked_positive, finite_rows, one_row, overflow_refused
 from psp3.closure.assembly import jacobian, residual
 from psp3.closure.rank import RANK_TOLERANCE, null_space
@@ -139,7 +140,7 @@ class Singularity(NamedTuple):
     still: Array
 
 
-class SingularityAnalysis:
+class SingularityAnalysis(Described):
     """Singularities of a robot with respect to its motors and to a task of one of its frames.
 
     Parameters
@@ -192,6 +193,14 @@ class SingularityAnalysis:
         with overflow_refused("length"):
             left, _, _ = np.linalg.svd(self._matrices(robot.q0[np.newaxis])[0][0])
         self._independent: Array = left[:, : self._rank].T
+
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "robot": self.robot,
+            "frame": self.frame,
+            "task": self.task,
+            "length": f"{self.length:.4g} m",
+        }
 
     def positions(self, configurations: ArrayLike) -> Array:
         """Return the place of the frame in base axes.

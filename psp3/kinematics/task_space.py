@@ -14,11 +14,12 @@ the 3-PSP, :meth:`psp3.PSP3.rates_of_tip` is the inverse.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
+from fuzzy2.support.described import Described
 from psp3.checks import Array
 from psp3.errors import InvalidValue
 from psp3.kinematics.frames import motion_and_jacobian
@@ -40,7 +41,7 @@ class TaskState(NamedTuple):
     jacobian: Array
 
 
-class TaskSpace:
+class TaskSpace(Described):
     """Coordinates of a frame of a robot.
 
     Parameters
@@ -73,6 +74,9 @@ class TaskSpace:
         self.rows = [TASK_COORDINATES.index(name) for name in self.task]
         self._index = frame_number(robot.model, frame)
         self._is_position = max(self.rows) < 3
+
+    def _facts(self) -> dict[str, Any]:
+        return {"robot": self.robot, "frame": self.frame, "task": self.task}
 
     def state(self, position: Array, speed: Array) -> TaskState:
         """Return the frame's motion and Jacobian for one state.

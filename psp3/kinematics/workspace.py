@@ -11,11 +11,12 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fuzzy2.support.described import Described
 from psp3.checks import (
     Array,
     as_floats,
@@ -73,8 +74,8 @@ class Reach(NamedTuple):
     configuration: Array
 
 
-class Workspace:
-    """Where a robot's frame can go, and how well.
+class Workspace(Described):
+    """The workspace of a robot's frame: which poses it reaches, and how well conditioned they are.
 
     Parameters
     ----------
@@ -152,6 +153,14 @@ class Workspace:
         at_reference = self.analysis.measures(robot.q0)
         self._signs = float(at_reference.orientation), float(at_reference.assembly)
         self._tight = float(at_reference.constraint)
+
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "robot": self.analysis.robot,
+            "frame": self.analysis.frame,
+            "task": self.analysis.task,
+            "over": self.coordinates,
+        }
 
     def map(
         self, grid: Mapping[str, ArrayLike], held: Mapping[str, float] | None = None

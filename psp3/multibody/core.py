@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
-from fuzzy2.support.compiled import only_for
+from fuzzy2.support.interpreted import are_few_calls, is_ready, twin_of
 from fuzzy2.support.parallel_rows import first_refused_row
 from fuzzy2.support.pieces import pieces
 from psp3.checks import Array, Indices
 from psp3.errors import InvalidValue
 from psp3.multibody.closing import CLOSED
+from psp3.multibody.first_answers import compile_answers, first_answer
 from psp3.multibody.flatten import Springs, flattened
 from psp3.multibody.motion import (
     ASSEMBLY,
     BLOCK,
-    CONFIGURATION,
     FORWARD_DYNAMICS,
     INVERSE_DERIVATIVES,
     INVERSE_DYNAMICS,
@@ -61,6 +61,9 @@ NEAR_SINGULAR = 0.02
 """A pose whose smallest pivot is smaller than this share of the reference pose's is near a singular
 one.
 """
+
+
+_ENTRIES = (np.dtype(np.int64), np.dtype(np.float64))
 
 
 class NoAnswer(Exception):
@@ -162,25 +165,23 @@ class Core:
             self.numbers[at + 2] = NEAR_SINGULAR * pivot
             self.numbers[at + WEAKEST_AT] = weakest * pivot
         self._partly = _partly_independent(model, {int(v) for v in independent_v})
-        self._compile()
+        self._is_compiled = False
 
-    def _compile(self) -> None:
-        """Compile the answers for arrays that can be written to, and never for anything else."""
-        none = np.empty(0)
-        only_for(
-            answer,
-            *(CONFIGURATION, 0, 0, 0),
-            *(self.tree, self.numbers, self._free_fall, self._reference, np.empty(self.size)),
-            *(none, none, none, none),
-        )
+    def _kernels(self, rows: int = 1) -> tuple[Callable[..., int], Callable[..., int]]:
+        """Return what answers and what differentiates: compiled, unless only a few calls come."""
+        if rows <= BLOCK and are_few_calls() and not is_ready(answer):
+            return _answer_of_twin, twin_of(derivatives)
+        if not self._is_compiled:
+            compile_answers(self.tree, self.numbers)
+            self._is_compiled = True
+        return answer, derivatives
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_spare": [], "_free_fall": None}
+        return {**self.__dict__, "_spare": [], "_free_fall": None, "_is_compiled": False}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self._free_fall = self._model.gravity.linear
-        self._compile()
 
     @property
     def q0(self) -> Array:
@@ -240,7 +241,7 @@ class Core:
         at = int(self.tree[AT_CONFIGURATION])
         memory[at : at + self.coordinates] = guess
         none, tree = np.empty(0), self.tree
-        outcome = answer(
+        outcome = first_answer(
             ASSEMBLY, 1, 1, 0, tree, self.numbers, none, none, memory, none, none, none, none
         )
         if outcome != CLOSED:
@@ -290,7 +291,8 @@ class Core:
         if question >= INVERSE_DERIVATIVES:
             row = self._differentiated(question, warm, memory, positions, second, third, out)
         else:
-            row = answer(
+            ask = answer if self._is_compiled else self._kernels()[0]
+            row = ask(
                 question,
                 1,
                 warm,
@@ -410,7 +412,7 @@ class Core:
                 ):
                     return row
             return -1
-        refused: int = answer(
+        refused: int = self._kernels(len(positions))[0](
             question,
             len(positions),
             is_warm,
@@ -446,7 +448,8 @@ class Core:
                 "choose others, coordinates=[...]",
             )
         dynamics = INVERSE_DYNAMICS if question == INVERSE_DERIVATIVES else FORWARD_DYNAMICS
-        row: int = answer(
+        ask, differentiate = self._kernels()
+        row: int = ask(
             dynamics,
             1,
             is_warm,
@@ -461,9 +464,19 @@ class Core:
             third,
             np.empty(int(self.tree[INDEPENDENT])),
         )
-        if row == -1 and derivatives(question, self.tree, self.numbers, memory, out) != CLOSED:
+        if row == -1 and differentiate(question, self.tree, self.numbers, memory, out) != CLOSED:
             return 0
         return row
+
+
+def _answer_of_twin(*arguments: Any) -> int:
+    """Answer as Python runs the kernel, for arguments that the compiled one takes."""
+    for one in arguments[4:]:
+        is_array = type(one) is np.ndarray and one.ndim == 1
+        if not is_array or one.dtype not in _ENTRIES or not one.flags.carray:
+            raise TypeError(f"no array that kernels take: {type(one).__name__}")
+    answered: int = twin_of(answer)(*arguments)
+    return answered
 
 
 def _partly_independent(model: pin.Model, independent_v: set[int]) -> str:

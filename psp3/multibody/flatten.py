@@ -561,7 +561,7 @@ def _ends(rows: int, columns: int, entries: set[tuple[int, int]]) -> list[int]:
 def _limits(model: pin.Model, independent: dict[int, int]) -> Array:
     """Return the lowest and highest value of every coordinate, (nq, 2).
 
-    Those of independent joints are the business of trajectories and of the simulation.
+    Trajectories and the simulation check those of independent joints.
     """
     limits = np.tile([-np.inf, np.inf], (model.nq, 1))
     for joint in list(model.joints)[1:]:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import pinocchio as pin
 
+from psp3.checks import is_text
 from psp3.errors import UnknownName
 
 KINDS = {
@@ -45,7 +46,7 @@ def frame_number(model: pin.Model, name: str) -> int:
     UnknownName
         If the model has no such frame; the error lists the known ones.
     """
-    numbers = frames_named(model, name) if isinstance(name, str) else []
+    numbers = frames_named(model, name) if is_text(name) else []
     if not numbers:
         raise UnknownName("frame", name, [frame.name for frame in model.frames])
     return numbers[0]

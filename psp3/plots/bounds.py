@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from psp3.bounds.tracking_tube import TrackingTube, errors_of
+from psp3.checks import checked_kind, listed
 from psp3.errors import InvalidValue
 from psp3.plots.control import shown_samples
 from psp3.plots.panels import Panels, given_panels
@@ -40,9 +41,12 @@ def figure_of_tube(
         If no run or another number of axes is given, or a run has another control period or
         coordinates.
     """
-    if isinstance(results, Result) or not results:
-        raise InvalidValue("results", type(results).__name__, "a list of one or more runs")
-    around, *_ = [tube.around(result) for result in results]
+    checked_kind("tube", tube, TrackingTube, "a TrackingTube")
+    wanted = "a list of one or more runs"
+    runs = () if isinstance(results, Result) else listed("results", results, wanted)
+    if not runs:
+        raise InvalidValue("results", type(results).__name__, wanted)
+    around, *_ = [tube.around(result) for result in runs]
     k = len(tube.residual)
     panels = given_panels(axes, k)
     if panels is None:
@@ -50,11 +54,11 @@ def figure_of_tube(
         figure.suptitle(f"Tube that {100.0 * tube.share:g} % of runs keep")
         panels = tuple(np.atleast_1d(figure.subplots(k, 1, sharex=True)))
     every = shown_samples(len(around))
-    t = results[0].t[every]
+    t = runs[0].t[every]
     for i, panel in enumerate(panels):
         reach = around[every, i]
         panel.fill_between(t, -reach, reach, alpha=0.15, linewidth=0.0, label="tube")
-        for result in results:
+        for result in runs:
             shown = shown_samples(result.t.size)
             panel.plot(result.t[shown], errors_of(result)[0][shown, i], linewidth=0.8)
         panel.set(ylabel=f"error {i + 1}", xlim=(t[0], t[-1]))

@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from fuzzy2.learning.partition import term_names
 from fuzzy2.plots.sets import figure_of_sets
 from psp3.fuzzy_control.records import differences
-from psp3.plots.panels import Panels, checked_result, given_panels, muted
+from psp3.plots.panels import Panels, checked_result, checked_title, given_panels, muted
 from psp3.simulation.result import Result
 
 if TYPE_CHECKING:
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 def draw_tracking(axes: Sequence[Axes] | None, result: Result, title: str) -> Panels:
     """Draw heights, speeds and the path of the tip of a run."""
+    checked_title(title)
     panels = given_panels(axes, 7)
     if panels is None:
         figure = Figure(figsize=(11.5, 6.4))
@@ -164,6 +165,7 @@ def shown_samples(samples: int) -> slice:
 
 def draw_differences(axes: Sequence[Axes] | None, result: Result, title: str) -> Panels:
     """Draw the four differences of a run and the path of its tip."""
+    checked_title(title)
     panels = given_panels(axes, 5)
     if panels is None:
         # Placed by hand: working out a layout with axes in space takes as long as drawing them.

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from fuzzy2.plots.names import literal
 from psp3.checks import Array, checked_kind, checked_robot
 from psp3.kinematics.tasks import rotating
-from psp3.plots.panels import Panels, checked_result, given_panels
+from psp3.plots.panels import Panels, checked_result, checked_title, given_panels
 from psp3.robots.robot import Robot
 from psp3.simulation.result import Result
 from psp3.trajectories.screw_forces import ScrewForces
@@ -58,6 +58,7 @@ def figure_of_joint_tracking(
     """
     checked_robot(robot)
     checked_result(result)
+    checked_title(title)
     panels = given_panels(axes, 3)
     if panels is None:
         figure = Figure(figsize=(9.0, 7.6), layout="constrained")
@@ -111,6 +112,7 @@ def figure_of_joint_forces(
     """
     checked_robot(robot)
     checked_kind("forces", forces, ScrewForces, "forces along a motion, a ScrewForces")
+    checked_title(title)
     panels = given_panels(axes, 4)
     if panels is None:
         figure = Figure(figsize=(9.0, 9.0), layout="constrained")

@@ -17,27 +17,55 @@ STYLE = """
 --link: #56b4e9; } }
 * { box-sizing: border-box; }
 body { font: 16px/1.5 system-ui, sans-serif; color: var(--text); background: var(--ground);
-  max-width: 68rem; margin: 0 auto; padding: 1rem; overflow-wrap: break-word; }
+  max-width: 86rem; margin: 0 auto; padding: 1rem; overflow-wrap: break-word; }
 h1 { font-size: 1.5rem; line-height: 1.25; } h2 { font-size: 1.15rem; line-height: 1.3; \
 margin-top: 2.4rem; }
+.lead { font-size: 1.15rem; } .lead, .answer, .note, figcaption { max-width: 54rem; }
 .answer { background: var(--soft); border-left: 4px solid var(--link); padding: .6rem 1rem .6rem \
-2rem; max-width: 54rem; }
+2rem; }
 .answer li { margin: .4rem 0; }
+.beside { display: grid; gap: 0 2rem; grid-template-columns: \
+repeat(auto-fit, minmax(min(22rem, 100%), 1fr)); max-width: 68rem; }
+details { border-top: 1px solid var(--line); } details h2 { display: inline; margin: 0; }
+summary { padding: .6rem 0; cursor: pointer; }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; font-size: .88rem; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; padding: .35rem .6rem; border-bottom: 1px solid var(--line); \
 vertical-align: top; }
 th { line-height: 1.3; max-width: 9rem; } td.numbers { white-space: pre; }
-th, td { overflow-wrap: normal; } td:last-child { min-width: 7rem; }
-@media (max-width: 40rem) { th, td { padding: .3rem .4rem; }
-  :is(th, td):first-child { position: sticky; left: 0; background: var(--ground); } }
-.note { color: var(--muted); font-size: .9rem; max-width: 54rem; }
-figure { margin: 1.5rem 0; } figcaption { color: var(--muted); font-size: .9rem; max-width: 54rem; }
-img { width: 100%; min-width: 34rem; height: auto; background: #ffffff; border-radius: 4px; \
-display: block; }
+th, td { overflow-wrap: normal; } td.long { overflow-wrap: anywhere; } \
+td:last-child { min-width: 7rem; }
+.note, figcaption { color: var(--muted); font-size: .9rem; }
+figure { margin: 1.5rem 0; }
+img { max-width: 100%; height: auto; background: #ffffff; border-radius: 4px; display: block; }
 nav li { margin: .15rem 0; } nav ul { padding-left: 1.2rem; columns: 2 22rem; font-size: .9rem; }
 a { color: var(--link); }
 """
+
+_STACKED = """@media (max-width: WIDTH) {
+  TABLE, TABLE :is(tbody, tr) { display: block; }
+  TABLE thead { display: none; }
+  TABLE tr { border-bottom: 1px solid var(--line); padding: .5rem 0; }
+  TABLE td { display: grid; grid-template-columns: minmax(0, 9rem) minmax(0, 1fr); gap: .8rem; \
+border: 0; padding: .15rem 0; min-width: 0; overflow-wrap: anywhere; }
+  TABLE td::before { content: attr(data-heading); color: var(--muted); }
+  TABLE td:first-child { font-weight: 600; } TABLE td::before { font-weight: 400; }
+  TABLE td[data-heading=""] { grid-template-columns: 1fr; }
+  TABLE td[data-heading=""]::before { display: none; }
+  TABLE td.numbers { white-space: pre-wrap; } }
+"""
+"""A table without room: each row is a list of headings and cells, so that no column is hidden."""
+
+MANY, CROWD = 6, 9
+"""Columns that a table has at most if a small window has room for it, and if any window has room
+for its intervals.
+"""
+
+LONGEST_WORD = 24
+"""Letters of a word in a cell that is not broken."""
+
+for _table, _width in ((".wide.many table", "80rem"), (".wide table", "48rem")):
+    STYLE += _STACKED.replace("TABLE", _table).replace("WIDTH", _width)
 
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 """What a page may do: be looked at. No script runs in it, and it loads nothing."""
@@ -66,25 +94,49 @@ def drawing(svg: bytes, caption: str, description: str) -> Markup:
     """Return a drawing with its caption, and with words for those who cannot see it."""
     image = base64.b64encode(svg).decode("ascii")
     shown = element("img", alt=f"{caption} {description}", src=f"data:image/svg+xml;base64,{image}")
-    return element("figure", element("div", shown, class_="wide"), element("figcaption", caption))
+    return element("figure", shown, element("figcaption", caption))
+
+
+def lead(text: str) -> Markup:
+    """Return the sentence that a page opens with."""
+    return element("p", text, class_="lead")
+
+
+def side_by_side(*content: str) -> Markup:
+    """Return parts of a page that stand beside each other, or below each other without room."""
+    return element("div", *content, class_="beside")
+
+
+def folded(anchor: str, title: str, *content: str) -> Markup:
+    """Return a part of a page of which only the title is seen until it is opened."""
+    summary = element("summary", element("h2", title, id=anchor))
+    return element("details", summary, *content)
 
 
 def table(
     anchor: str, title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], note: str
 ) -> Markup:
     """Return a table below its heading, to which ``anchor`` leads, and above its note."""
+    return joined([element("h2", title, id=anchor), table_alone(anchor, columns, rows, note)])
+
+
+def table_alone(
+    anchor: str, columns: Sequence[str], rows: Iterable[Sequence[str]], note: str
+) -> Markup:
+    """Return a table above its note, whose heading ``anchor`` names.
+
+    Each cell has the heading of its column, which stands beside it in a narrow window.
+    """
+    is_crowded = len(columns) > CROWD
     head = element("tr", *(element("th", column, scope="col") for column in columns))
-    body = (element("tr", *map(_cell, row)) for row in rows)
-    cells = element("table", element("thead", head), element("tbody", *body))
-    return joined(
-        [
-            element("h2", title, id=anchor),
-            element(
-                "div", cells, class_="wide", tabindex="0", role="region", aria_labelledby=anchor
-            ),
-            note_below(note),
-        ]
+    body = (
+        element("tr", *(_cell(*cell, is_crowded) for cell in zip(row, columns, strict=True)))
+        for row in rows
     )
+    cells = element("table", element("thead", head), element("tbody", *body))
+    kind = "wide many" if len(columns) > MANY else "wide"
+    box = element("div", cells, class_=kind, tabindex="0", role="region", aria_labelledby=anchor)
+    return joined([box, note_below(note)])
 
 
 def listed(texts: Iterable[str], **attributes: str) -> Markup:
@@ -103,11 +155,16 @@ def note_below(text: str) -> Markup:
     return element("p", text, class_="note")
 
 
-def _cell(text: str) -> Markup:
+def _cell(text: str, heading: str, is_crowded: bool) -> Markup:
     """Return a cell, whose words wrap, but no number leaves its unit, sign or interval.
 
-    Rows of numbers, which two spaces divide, stay as they are.
+    In a crowded table intervals wrap, too. Rows of numbers, which two spaces divide, stay as they
+    are.
     """
     if "  " in text:
-        return element("td", text, class_="numbers")
-    return element("td", _UNBROKEN.sub(lambda found: found[0].replace(" ", NO_BREAK), text))
+        return element("td", text, class_="numbers", data_heading=heading)
+    if not is_crowded:
+        text = _UNBROKEN.sub(lambda found: found[0].replace(" ", NO_BREAK), text)
+    if max(map(len, text.split()), default=0) > LONGEST_WORD:
+        return element("td", text, class_="long", data_heading=heading)
+    return element("td", text, data_heading=heading)

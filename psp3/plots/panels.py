@@ -19,6 +19,11 @@ def checked_result(result: object) -> None:
     checked_kind("result", result, Result, "a result, as psp3.simulate returns it")
 
 
+def checked_title(title: object, name: str = "title") -> None:
+    """Raise :class:`InvalidValue` if something is no text: matplotlib draws all it is given."""
+    checked_kind(name, title, str, "a text")
+
+
 def given_panels(axes: Sequence[Axes] | None, count: int) -> Panels | None:
     """Return the panels to draw into, None if none are given; refuse a wrong number of them."""
     return panels.given_panels(axes, count, InvalidValue)

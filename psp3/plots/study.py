@@ -1,4 +1,4 @@
-"""Figure of the comparison on robots that are not what controllers believe."""
+"""Figures of sweeps, and of comparisons on robots that differ from the controllers' models."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fuzzy2.plots.names import literal
-from psp3.checks import Array, checked_kind, known_name
+from psp3.checks import Array, as_floats, checked_kind, known_name
 from psp3.errors import InvalidValue
-from psp3.plots.panels import Panels, given_panels
+from psp3.plots.panels import Panels, checked_title, given_panels
 from psp3.study.comparison import Comparison, records_in_words
 from psp3.study.run import Run
 from psp3.study.statistics import mean
@@ -54,13 +54,14 @@ def figure_of_sweep(
     checked_kind("series", series, Mapping, "a mapping from names to estimates by level")
     if not series:
         raise InvalidValue("series", series, "at least one series")
+    checked_title(label, "label")
+    curves = {name: _curve(name, points) for name, points in series.items()}
     (panel,) = given_panels(
         None if axes is None else list(np.ravel(np.asarray(axes, dtype=object))), 1
     ) or (Figure(figsize=(7.0, 4.0), layout="constrained").subplots(),)
-    for name, points in series.items():
-        value, low, high = np.array(list(points.values())).T
+    for name, (levels, (value, low, high)) in curves.items():
         panel.errorbar(
-            list(points),
+            levels,
             value,
             error_bars(value, low, high),
             marker="o",
@@ -71,6 +72,18 @@ def figure_of_sweep(
     panel.set(yscale="log", xlabel=label, ylabel="sum of squared errors [m²]")
     panel.legend(ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     return (panel,)
+
+
+def _curve(name: object, points: object) -> tuple[Array, Array]:
+    """Return the levels (N,) of a series, and its values with their intervals (3, N)."""
+    wanted = "a mapping from names to mappings from numbers to (value, low, high)"
+    if not isinstance(name, str) or not isinstance(points, Mapping) or not points:
+        raise InvalidValue("series", {name: points}, wanted)
+    levels = as_floats("series", list(points), "(N,) of levels")
+    estimates = as_floats("series", list(points.values()), "(N, 3) of (value, low, high)")
+    if estimates.shape != (len(levels), 3):
+        raise InvalidValue("series", {name: points}, wanted)
+    return levels, estimates.T
 
 
 LABELS = {

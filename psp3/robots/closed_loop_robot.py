@@ -26,6 +26,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from fuzzy2.support.described import Described
 from fuzzy2.support.logs import logger_named
 from psp3.checks import (
     Array,
@@ -94,17 +95,17 @@ PRELOAD_TOLERANCE = 1e-7
 logger = logger_named(__name__)
 
 
-class ClosedLoopRobot:
+class ClosedLoopRobot(Described):
     """A robot given as a tree, loop closures and actuated joints.
 
     Arguments and results are in actuated coordinates.
 
-    What Pinocchio computes (frames and their Jacobians) serves one thread at a time, because it is
-    computed in one ``data``; everything else serves many. A robot can be pickled and copied.
+    Frames and their Jacobians, which Pinocchio computes in one ``data``, are for one thread at a
+    time; everything else is for many. A robot can be pickled and copied.
 
-    Of ``model``, gravity may be changed: it is looked at with every question. Other changes come
-    too late, since its numbers are taken when the robot is made: some answers would know them, and
-    some not. Change the model first, and make a robot of it.
+    The gravity of ``model`` may be changed at any time. Other numbers are read when the robot is
+    made, and a later change would have an effect on some answers only: change the model first, then
+    make the robot.
 
     Parameters
     ----------
@@ -457,14 +458,22 @@ class ClosedLoopRobot:
         positions: Array = self.q0[self.coordinates_q]
         return positions
 
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "name": self.title,
+            "freedoms": len(self.coordinates_v),
+            "motors": self.actuated,
+            "loops": len(self.constraint_models) + len(self.equations),
+        }
+
     @property
     def title(self) -> str:
-        """What the robot is called where it is shown."""
+        """Name of the robot where it is shown."""
         return str(self.model.name)
 
     @property
     def limit_message(self) -> str:
-        """What is said when an actuated joint is beyond its limits."""
+        """The message when an actuated joint is beyond its limits."""
         return "an actuated joint left its limits"
 
     @property
@@ -554,7 +563,7 @@ class ClosedLoopRobot:
 
     @property
     def core(self) -> Core:
-        """What computes: the tree with its loops as flat arrays."""
+        """The compiled core: the tree with its loops as flat arrays."""
         return self._core
 
     def last_pose(self) -> LastPose | None:
@@ -966,7 +975,7 @@ class ClosedLoopRobot:
         return int(self.mobility.commanded)
 
     def actuation_matrix(self, positions: ArrayLike) -> Array:
-        r"""Return what the motors' forces do along the coordinates, :math:`A = L^T B`.
+        r"""Return the matrix from motor forces to forces along the coordinates, :math:`A = L^T B`.
 
         B has a column a motor, with a one at its joint, or the levers of its tendon. The equation
         of motion is :math:`M a + C v + G = A \tau`.

@@ -1,4 +1,4 @@
-"""What a robot is made of, what was done to make it move, and what its file should be asked."""
+"""A report on a robot: its parts, what was changed to make it move, and doubts about its file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Inertias of bodies: which of them no body has.
+"""Inertias of bodies: which ones are physically impossible.
 
 The moments of a body are sums of squares of two coordinates each, so that none is negative and none
 exceeds the sum of the other two. Readers refuse files whose masses or moments are negative; a model

@@ -1,4 +1,4 @@
-"""Loops that contradict themselves by rounding, and what else a file may not have meant.
+"""Loops that are inconsistent by rounding, and other likely mistakes of a file.
 
 What is allowed, refused and told when a robot is made of its parts.
 """

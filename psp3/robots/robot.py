@@ -76,12 +76,12 @@ class Robot(DynamicsModel, Protocol):
 
     @property
     def title(self) -> str:
-        """What the robot is called where it is shown."""
+        """Name of the robot where it is shown."""
         ...
 
     @property
     def limit_message(self) -> str:
-        """What is said when an actuated joint is beyond its limits."""
+        """The message when an actuated joint is beyond its limits."""
         ...
 
     @property
@@ -140,7 +140,7 @@ class Robot(DynamicsModel, Protocol):
         ...
 
     def actuation_matrix(self, positions: ArrayLike) -> Array:
-        """Return what the motors' forces do along the coordinates, (..., n, m)."""
+        """Return the matrix from motor forces to forces along the coordinates, (..., n, m)."""
         ...
 
     def drives_of_coordinates(self, drive: Drive | Sequence[Drive]) -> Driven:

@@ -1,4 +1,4 @@
-"""What MuJoCo makes of the file that a robot was loaded from, beside the robot itself.
+"""Compare a robot with what MuJoCo reads from the same file.
 
 An MJCF file it compiles, see :mod:`psp3.description.mujoco_opinion`. A URDF it reads as a tree:
 masses, mass matrix and bias forces of that are compared joint by joint, at a few poses away from

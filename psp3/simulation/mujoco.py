@@ -16,6 +16,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from fuzzy2.support.described import Described
 from psp3.checks import (
     Array,
     as_floats,
@@ -35,11 +36,11 @@ half an angle].
 """
 
 
-class MuJoCo:
+class MuJoCo(Described):
     r"""A robot in MuJoCo, integrated with its classical Runge–Kutta steps.
 
     Closures, ends of joints and dry friction are MuJoCo's constraints: critically damped springs of
-    a time constant of two steps :math:`h`. What they give way vanishes with :math:`h^2`;
+    a time constant of two steps :math:`h`. Their violation falls with :math:`h^2`;
     ``docs/engines.md`` has numbers.
 
     Parameters
@@ -135,6 +136,9 @@ class MuJoCo:
         Of a 6D closure also the sine of half an angle.
         """
         return float(np.abs(self.data.efc_pos[: self.data.ne]).max(initial=0.0))
+
+    def _facts(self) -> dict[str, Any]:
+        return {"robot": self._robot, "steps": self._steps}
 
     def start(self, positions: Array, speeds: Array) -> None:
         """Put the robot into a state; positions (p,) and speeds (n,) of the coordinates."""

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
+from fuzzy2.support.described import Described
 from psp3.checks import Array
 from psp3.drives.drive import Drive
 from psp3.dynamics.dynamics_model import StateAfterState
@@ -47,7 +48,7 @@ class Plant(Protocol):
         ...
 
 
-class DrivenPlant:
+class DrivenPlant(Described):
     """A robot with drives in Python, in its coordinates.
 
     What is common to the ways to integrate it. Forces are those of the motors.
@@ -69,6 +70,9 @@ class DrivenPlant:
         self._is_driven = bool(self._drives.any() or self._driven.follows.size)
         self._is_dry = self._drives[:, drive_kernels.DRY] > 0.0
         self._slip = np.ones(self._joints)
+
+    def _facts(self) -> dict[str, Any]:
+        return {"robot": self._robot}
 
     def _joint_speeds(self, q: Array) -> Array:
         """Return the velocities of all joints at each coordinate's unit speed, (n, nv)."""

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzy2.support.described import Described
 from fuzzy2.support.text_files import written_whole
-from psp3.checks import Array, checked_path
+from psp3.checks import Array, checked_count, checked_path
 from psp3.errors import InvalidResultFile
 from psp3.simulation.array_files import LARGEST, arrays_of
 from psp3.trajectories.motion import Motion
@@ -49,8 +50,8 @@ REPORTED: dict[str, tuple[tuple[int, ...], type]] = {
 """What a controller may say of its last call: shape and type of each."""
 
 
-@dataclass(frozen=True)
-class Result:
+@dataclass(frozen=True, repr=False)
+class Result(Described):
     """What happened in a simulation, sampled at every control period.
 
     Parameters
@@ -86,6 +87,19 @@ class Result:
     fell_back: NDArray[np.bool_] | None = None
     torque_interval: Array | None = None
 
+    def _facts(self) -> dict[str, Any]:
+        error = self.desired.positions - self.positions[:, : self.desired.positions.shape[1]]
+        away = np.linalg.norm(self.desired.tip - self.tip, axis=1)
+        return {
+            "duration": f"{self.t[-1] if len(self.t) else 0.0:g} s",
+            "samples": len(self.t),
+            "joints": self.positions.shape[1],
+            "largest_error_of_positions": _largest(error),
+            "rms_error_of_positions": float(np.sqrt(np.mean(error**2))) if error.size else None,
+            "largest_error_of_tip": _with_meters(_largest(away)),
+            "largest_force": _largest(self.torque),
+        }
+
     @property
     def heights(self) -> Array:
         """The positions, by their name of the 3-PSP."""
@@ -110,6 +124,16 @@ class Result:
         return path
 
 
+def _largest(numbers: Array) -> float | None:
+    """Return the largest of the numbers, or None where there is none or they are no numbers."""
+    largest = float(np.abs(numbers).max()) if numbers.size else np.nan
+    return largest if np.isfinite(largest) else None
+
+
+def _with_meters(number: float | None) -> str | None:
+    return None if number is None else f"{number:.4g} m"
+
+
 def load_result(path: str | Path, largest: int = LARGEST) -> Result:
     """Read a result that :meth:`Result.save` wrote.
 
@@ -130,7 +154,7 @@ def load_result(path: str | Path, largest: int = LARGEST) -> Result:
         If the file is missing, truncated, of another kind or version, larger than asked for, or its
         arrays do not fit together.
     """
-    path = checked_path("path", path)
+    path, largest = checked_path("path", path), checked_count("largest", largest)
     try:
         content: dict[str, Any] = dict(arrays_of(path, largest))
     except (OSError, ValueError) as error:

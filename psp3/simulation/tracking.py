@@ -12,7 +12,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, checked_count, checked_positive, checked_robot, one_or_each, one_row
+from psp3.checks import (
+    Array,
+    check_periods,
+    checked_count,
+    checked_positive,
+    checked_robot,
+    one_or_each,
+    one_row,
+)
 from psp3.collisions.motion import check_clearance
 from psp3.control.controller import Controller, widths_of
 from psp3.control.feedback import check_feedback
@@ -46,7 +54,7 @@ def simulate(
     clearance: float | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Result:
-    """Let a controller track a trajectory.
+    """Simulate a controller that tracks a trajectory.
 
     The whole desired motion is computed and checked for reach and stroke before the first step is
     taken.
@@ -125,9 +133,7 @@ def simulate(
             raise InvalidValue(name, given, f"a {name}, with a method {question}")
     duration, period = checked_positive("duration", duration), checked_positive("period", period)
     # The small excess keeps rounding from losing the last of 5200 periods of 2 ms in 10.4 s.
-    if not duration / period <= MOST_STEPS:
-        wanted = f"at most {MOST_STEPS:.0e} periods of {period} s, which fit into memory"
-        raise InvalidValue("duration", duration, wanted)
+    check_periods(duration, period, MOST_STEPS)
     steps = int(duration / period * (1.0 + 1e-12) + 1e-9)
     if steps < 1:
         raise InvalidValue("duration", duration, f"at least one period of {period} s")

@@ -12,6 +12,7 @@ from contextlib import contextmanager, suppress
 from typing import Any
 from urllib.parse import urlsplit
 
+from psp3.checks import checked_kind
 from psp3.errors import InvalidValue, SchedulerUnavailable
 
 PROTOCOLS = ("tcp", "tls", "ws", "wss")
@@ -66,7 +67,7 @@ def connected(
         minute, or it has no workers, or they have another version of psp3, none, or too many
         threads.
     """
-    host, port = _host_and_port(address)
+    host, port = host_and_port(address)
     try:
         import distributed
     except ImportError as error:
@@ -147,7 +148,10 @@ class _Capacity:
         return self._last
 
 
-def _host_and_port(address: str) -> tuple[str, int]:
+def host_and_port(address: object) -> tuple[str, int]:
+    """Return where a scheduler listens; raise :class:`InvalidValue` if something is no address."""
+    checked_kind("scheduler", address, str, "an address such as tcp://host:8786")
+    assert isinstance(address, str)
     try:
         parts = urlsplit(address)
         host, port = parts.hostname, parts.port

@@ -1,4 +1,4 @@
-"""Runs as columns: what many of them have in common is there once."""
+"""Runs as columns: values that many runs share are stored once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Controllers beside each other in several cases, seed by seed."""
+"""Compare controllers in several cases, seed by seed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from psp3.study.table import Table
 
 @dataclass(frozen=True)
 class Row:
-    """What the seeds of one case gave under one controller.
+    """Statistics of one case under one controller, over its seeds.
 
     Parameters
     ----------
@@ -102,9 +102,9 @@ class Comparison:
     def ratio(
         self, case: Run, controller: str, baseline: str, metric: str = "sum_of_squared_errors"
     ) -> Estimate:
-        """Return by what factor a controller's mean is that of another one.
+        """Return the ratio of a controller's mean to that of another one.
 
-        With its interval from seeds in pairs.
+        Its interval is from seeds in pairs.
         """
         return ratio_of_means(
             self.values(case, controller, metric), self.values(case, baseline, metric)

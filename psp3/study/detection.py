@@ -1,4 +1,4 @@
-r"""A grid of runs: how well alarms tell that a robot has left what its rules were learned for.
+r"""A grid of runs: how well alarms detect that a robot has left its training conditions.
 
 False alarms, detections and delays, measured.
 

@@ -293,6 +293,8 @@ class StudyFile:
             # Not read-only where it can be helped: what a killed study left half written must be
             # rolled back before anyone reads.
             with self._connected("rw") as connection:
+                # What is read one after the other is of one moment, while others add to it.
+                connection.execute("BEGIN")
                 yield connection
         except (sqlite3.Error, UnicodeDecodeError) as error:
             raise InvalidStudyFile(

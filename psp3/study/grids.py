@@ -7,12 +7,9 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, overload
 
-import numpy as np
-
-from psp3.checks import known_name
 from psp3.errors import InvalidValue
 from psp3.study.columns import AT_A_TIME, RunColumns
-from psp3.study.run import DEFAULTS, Run, Value, field_types
+from psp3.study.run import Run, Value, values_of_field
 
 
 class Grid(Sequence[Run]):
@@ -100,27 +97,9 @@ def grid(**values: Value | Iterable[Value]) -> Grid:
     InvalidValue
         If a field is given no value at all, or one that is not of its type.
     """
-    types = field_types()
     choices: dict[str, list[Value]] = {}
     for name in sorted(values, key=lambda name: name != "seed"):
-        known_name("field of a run", name, types)
-        given = values[name]
-        several = (
-            list(given) if isinstance(given, Iterable) and not isinstance(given, str) else [given]
-        )
-        if not several:
-            raise InvalidValue(name, several, "at least one value")
-        choices[name] = [_of_type(name, types[name], value) for value in several]
+        choices[name] = values_of_field(name, values[name])
+        if not choices[name]:
+            raise InvalidValue(name, [], "at least one value")
     return Grid(choices)
-
-
-def _of_type(name: str, kind: type[str] | type[int] | type[float], value: Any) -> Value:
-    """Return a value in the type of its field; numbers of numpy become Python's."""
-    plain = value.item() if isinstance(value, np.generic) else value
-    if plain is None and DEFAULTS[name] is None:
-        return None
-    if kind is float and isinstance(plain, int) and not isinstance(plain, bool):
-        return float(plain)
-    if not isinstance(plain, kind) or isinstance(plain, bool):
-        raise InvalidValue(name, plain, {str: "a text", int: "an integer", float: "a number"}[kind])
-    return plain

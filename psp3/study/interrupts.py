@@ -1,4 +1,4 @@
-"""Ctrl-C while results are kept: noted at once, and obeyed where nothing can be lost by it.
+"""Ctrl-C while results are saved: noted at once, and obeyed where no result is lost.
 
 Python raises :class:`KeyboardInterrupt` between any two instructions, also within the locks of
 :mod:`concurrent.futures`, which then stay locked, and between a result and its way to the disk.

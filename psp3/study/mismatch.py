@@ -1,4 +1,4 @@
-r"""A grid of runs: controllers on robots that are not what they believe.
+r"""A grid of runs: controllers on robots that differ from the controllers' models.
 
 Adaptation against exact models, integrals and regulators.
 

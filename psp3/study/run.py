@@ -30,17 +30,29 @@ beside the path: fields that no signal-to-noise ratio scales.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass, fields, replace
 from functools import cache, lru_cache
+from itertools import islice
 from operator import attrgetter
 from typing import Any, get_args, get_type_hints
 
 import numpy as np
 
+from fuzzy2.errors import printable
 from fuzzy2.learning.noise import mean_variation_from_snr
 from fuzzy2.learning.partition import KINDS
-from psp3.checks import checked_count, checked_not_negative, checked_positive
+from fuzzy2.support.markup import Markup, element
+from psp3.checks import (
+    MOST,
+    MOST_SEEDS,
+    checked_count,
+    checked_not_negative,
+    checked_number,
+    checked_positive,
+    known_name,
+)
 from psp3.description.parts import ROBOTS
 from psp3.drives.drive import Drive
 from psp3.errors import InvalidValue, UnknownName, UnknownRobot
@@ -134,12 +146,12 @@ LARGEST_INTEGER = 2**63 - 1
 Value = str | int | float | None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Run:
-    """Everything that decides a run.
+    """The settings that determine a run.
 
-    Making one checks nothing; :meth:`check` does, and :func:`psp3.study.execution.execute` before
-    it begins.
+    The constructor checks nothing; :meth:`check` does, and so does
+    :func:`psp3.study.execution.execute` before it begins.
 
     Parameters
     ----------
@@ -246,6 +258,19 @@ class Run:
     speed_noise: float = 0.0
     initial_error: float = 0.0
     initial_speed_error: float = 0.0
+
+    def __repr__(self) -> str:
+        """Return the fields that are not the default ones, as they are written."""
+        changed = [
+            f"{field.name}={getattr(self, field.name)!r}"
+            for field in fields(self)
+            if field.name != "controller" and getattr(self, field.name) != field.default
+        ]
+        return f"Run({', '.join([repr(self.controller), *changed])})"
+
+    def _repr_html_(self) -> Markup:
+        """Return what a notebook shows."""
+        return element("code", printable(repr(self)))
 
     def __post_init__(self) -> None:
         # One number is one run: of numpy, which grids are often made of, as of any other, and 20 as
@@ -468,6 +493,41 @@ def field_types() -> dict[str, type[str] | type[int] | type[float]]:
         field.name: next(iter(get_args(hints[field.name])), hints[field.name])
         for field in fields(Run)
     }
+
+
+def values_of_field(name: str, given: Any) -> list[Value]:
+    """Return the value that is given of a field of runs, or the values, as a list.
+
+    Raises
+    ------
+    UnknownName
+        If a run has no such field.
+    InvalidValue
+        If a value is not of the type of the field, or there are too many.
+    """
+    known_name("field of a run", name, field_types())
+    single = str | bytes | np.ma.MaskedArray
+    is_list = isinstance(given, Iterable) and not isinstance(given, single)
+    try:
+        several = list(islice(given, MOST_SEEDS + 1)) if is_list else [given]
+    except TypeError:  # an array without dimensions
+        several = [given]
+    if len(several) > MOST_SEEDS:
+        raise InvalidValue(name, given, f"at most {MOST_SEEDS:,} values")
+    return [_of_type(name, field_types()[name], value) for value in several]
+
+
+def _of_type(name: str, kind: type[str] | type[int] | type[float], value: Any) -> Value:
+    """Return a value in the type of its field; numbers of numpy become Python's."""
+    plain = value.item() if isinstance(value, np.generic) else value
+    if plain is None and DEFAULTS[name] is None:
+        return None
+    if kind is float:
+        return checked_number(name, plain, "a number")
+    is_too_large = isinstance(plain, int) and abs(plain) > MOST
+    if not isinstance(plain, kind) or isinstance(plain, bool) or is_too_large:
+        raise InvalidValue(name, plain, "a text" if kind is str else "an integer")
+    return plain
 
 
 def contents(run: Run) -> dict[str, Any]:

@@ -1,6 +1,6 @@
-"""What many seeds say together.
+"""Statistics over seeds: means, ratios and differences, with confidence intervals.
 
-Estimates with 95 % intervals, what they estimate, and the number of seeds that each stands on.
+Estimates with 95 % intervals, what they estimate, and the number of seeds behind each.
 
 Errors of runs are skewed, and thirty of them are too few for a normal law. Means, differences and
 ratios of means carry symmetric bootstrap-t intervals, which reach further than other bootstraps and
@@ -10,7 +10,7 @@ compared by seed, since runs of one seed see the same noise.
 
 A run that diverged has no error, and its NaN cannot be averaged. Such runs are left out of means,
 medians, differences and ratios, which favors the controller that diverges: their share stands
-beside every summary, and the count of an estimate says how many runs it stands on.
+beside every summary, and the count of an estimate is the number of its runs.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from psp3.checks import Array, as_floats, known_name
+from psp3.checks import Array, as_floats, checked_random, known_name, overflow_refused
 from psp3.errors import InvalidArray, InvalidValue
 from psp3.study.intervals import CONFIDENCE as CONFIDENCE
 from psp3.study.intervals import MEASURED_COVERAGE as MEASURED_COVERAGE
@@ -40,7 +40,7 @@ from psp3.study.table import Table
 
 @dataclass(frozen=True)
 class Estimate:
-    """A value with its 95 % interval, and how many seeds it stands on.
+    """A value with its 95 % interval and the number of seeds behind it.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Summary:
-    """What the seeds of one setting give.
+    """Statistics of one setting over its seeds.
 
     Parameters
     ----------
@@ -160,6 +160,7 @@ def mean(values: ArrayLike, rng: np.random.Generator | None = None) -> Estimate:
 def median(values: ArrayLike, rng: np.random.Generator | None = None) -> Estimate:
     """Return the median with its percentile bootstrap interval; parameters as for :func:`mean`."""
     (row,) = _finite(values=values)
+    checked_random(rng)
     count = len(row)
     if count == 0:
         return _nothing("median")
@@ -236,14 +237,15 @@ def ratio_of_geometric_means(first: ArrayLike, second: ArrayLike) -> Estimate:
     for name, row in zip(("first", "second"), rows, strict=True):
         if not (row > 0.0).all():
             raise InvalidArray(name, "(N,), each positive", row)
-    name, logarithms = "ratio of geometric means", np.log(rows[0] / rows[1])
-    count = len(logarithms)
+    name, count = "ratio of geometric means", len(rows[0])
     if count == 0:
         return _nothing(name)
-    value = float(np.exp(logarithms.mean()))
-    if count == 1:
-        return Estimate(value, np.nan, np.nan, 1, name)
-    return _with(value, student_of_logarithms(logarithms), count, name)
+    with overflow_refused("the sizes of first and second"):
+        logarithms = np.log(rows[0] / rows[1])
+        value = float(np.exp(logarithms.mean()))
+        if count == 1:
+            return Estimate(value, np.nan, np.nan, 1, name)
+        return _with(value, student_of_logarithms(logarithms), count, name)
 
 
 def share(events: ArrayLike) -> Estimate:
@@ -451,11 +453,16 @@ def _studentized(
     x: Array, y: Array, logarithmic: bool, estimand: str, rng: np.random.Generator | None
 ) -> Estimate:
     """Return the ratio of the means of paired rows with its interval."""
+    checked_random(rng)
     count = len(x)
     if count == 0:
         return _nothing(estimand)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with (
+        overflow_refused("the sizes of the numbers"),
+        np.errstate(divide="ignore", invalid="ignore"),
+    ):
         value = float(x.mean() / y.mean())
     if count == 1:
         return Estimate(value, np.nan, np.nan, 1, estimand)
-    return _with(value, bootstrap_t(x, y, logarithmic, rng), count, estimand)
+    with overflow_refused("the sizes of the numbers"):
+        return _with(value, bootstrap_t(x, y, logarithmic, rng), count, estimand)

@@ -1,4 +1,4 @@
-"""Many runs, kept in a file: the way from one simulation to a statement with an interval.
+"""A study: many runs, kept in a file, whose statistics have confidence intervals.
 
 A study is a set of runs (:class:`~psp3.study.run.Run`) and a file. Runs that are in the file are
 not repeated, so the same lines begin a study, resume one that was stopped, however it was stopped,
@@ -28,10 +28,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import Any
 
+from fuzzy2.support.described import Described
 from fuzzy2.support.one_thread import one_thread
 from fuzzy2.support.text_files import written_whole
-from psp3.checks import checked_count, checked_function, checked_kind, checked_path
+from psp3.checks import checked_count, checked_function, checked_path
 from psp3.errors import InvalidValue, RunsFailed, SchedulerUnavailable, StudyInterrupted
 from psp3.study import cluster
 from psp3.study.execution import execute
@@ -56,7 +58,7 @@ LOOK_UP = 5.0
 Progress = Callable[[int, int, float], None]
 
 
-class Study:
+class Study(Described):
     """A set of runs whose results are kept in a file.
 
     Parameters
@@ -64,8 +66,8 @@ class Study:
     path : path
         SQLite file of the results. It is made by :meth:`run`, and extended if it exists.
     runs : iterable of Run, optional
-        The runs, see :func:`grid`; those that differ in nothing that matters are one. Without them
-        the study is what is in the file.
+        The runs, see :func:`grid`; those that are equal in all that matters count once. Without
+        them the study is what is in the file.
 
     Attributes
     ----------
@@ -86,6 +88,13 @@ class Study:
         self.runs = None if runs is None else Runs(runs)
         self._file = StudyFile(path, None if self.runs is None else self.runs.shared)
         self.path = self._file.path
+
+    def _facts(self) -> dict[str, Any]:
+        # How many are done only the file knows, which is not read for this.
+        return {
+            "file": self.path.name if self.path.exists() else f"{self.path.name}, not made yet",
+            "runs": "those of the file" if self.runs is None else len(self.runs),
+        }
 
     def run(
         self,
@@ -126,8 +135,6 @@ class Study:
             After Ctrl-C, at whatever moment; a :class:`KeyboardInterrupt`. Runs that have begun
             are finished and kept.
         """
-        if scheduler is not None:
-            checked_kind("scheduler", scheduler, str, "an address, tcp://host:port")
         if progress is not None:
             checked_function("progress", progress)
         _check_workers(workers, scheduler)
@@ -146,12 +153,14 @@ class Study:
             ):
                 with interrupts.obeyed_at_once():
                     places = self.runs.missing(additions.keys)
-                session = _Session(additions, under_way, len(self.runs), len(places), progress)
+                session = _Session(
+                    additions, under_way, len(self.runs), len(places), progress, interrupts
+                )
                 session.report()
                 if len(places):
                     missing = map(self.runs.__getitem__, places)
                     with _workers(workers, scheduler, interrupts) as (executor, count_workers):
-                        session.work(missing, executor, count_workers, interrupts)
+                        session.work(missing, executor, count_workers)
         except KeyboardInterrupt:
             done = 0 if session is None else session.done
             raise StudyInterrupted(self.path, done, len(self.runs)) from None
@@ -239,7 +248,7 @@ def results_of(runs: Iterable[Run], workers: int | None = None) -> Table:
     Parameters
     ----------
     runs : iterable of Run
-        The runs; those that differ in nothing that matters are done once.
+        The runs; those that are equal in all that matters are done once.
     workers : int, optional
         Number of threads; all cores of this process unless given. The result does not depend on it.
 
@@ -267,12 +276,12 @@ def _threads(workers: int | None) -> Iterator[tuple[Executor, Callable[[], int]]
 
 
 def _check_workers(workers: int | None, scheduler: str | None) -> None:
-    if workers is not None and (
-        isinstance(workers, bool) or not isinstance(workers, int) or workers < 1
-    ):
-        raise InvalidValue("workers", workers, "a positive integer")
+    if workers is not None:
+        checked_count("workers", workers)
     if workers is not None and scheduler is not None:
         raise InvalidValue("workers", workers, "left out where a scheduler has its own")
+    if scheduler is not None:
+        cluster.host_and_port(scheduler)
 
 
 @contextmanager
@@ -297,10 +306,12 @@ class _Session:
         total: int,
         wanted: int,
         progress: Progress | None,
+        interrupts: Interrupts,
     ) -> None:
         self.total = total
         self.failures: dict[Run, BaseException] = {}
         self._additions, self._under_way, self._progress = additions, under_way, progress
+        self._interrupts = interrupts
         self._there_before, self._in_file_before = total - wanted, additions.committed
         self._start = time.monotonic()
 
@@ -313,21 +324,21 @@ class _Session:
     def report(self) -> None:
         if self._progress is not None:
             now = self.done - self._there_before
-            self._progress(
-                self.done, self.total, now / (time.monotonic() - self._start) if now else 0.0
-            )
+            rate = now / (time.monotonic() - self._start) if now else 0.0
+            # What others do with it may take long, or wait for somebody.
+            with self._interrupts.obeyed_at_once():
+                self._progress(self.done, self.total, rate)
 
     def work(
         self,
         missing: Iterator[Run],
         executor: Executor,
         count_workers: Callable[[], int],
-        interrupts: Interrupts,
     ) -> None:
         """Hand out runs and keep their results until none are left, or too many failed."""
         try:
             while True:
-                with interrupts.obeyed_at_once():
+                with self._interrupts.obeyed_at_once():
                     workers = max(1, count_workers())
                 room = (
                     HANDED_OUT * workers - len(self._under_way)

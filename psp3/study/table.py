@@ -9,10 +9,10 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from psp3.checks import Array, checked_count, known_name, listed
+from psp3.checks import Array, as_floats, checked_count, known_name, listed
 from psp3.errors import InvalidValue
 from psp3.study.columns import RunColumns
-from psp3.study.run import METRICS, Run, Value, contents, field_types
+from psp3.study.run import METRICS, Run, Value, contents, field_types, values_of_field
 
 Row = dict[str, Any]
 
@@ -121,14 +121,14 @@ class Table(Sequence[Row]):
         ------
         UnknownName
             If a run has no such field.
+        InvalidValue
+            If a value is not of the type of its field.
         """
         keep = np.ones(len(self), dtype=bool)
         for name, given in selection.items():
-            known_name("field of a run", name, field_types())
-            several = isinstance(given, Iterable) and not isinstance(given, str)
-            wanted: set[Any] = set(given) if several else {given}  # type: ignore[arg-type]
+            wanted = set(values_of_field(name, given))
             if name == "seed":
-                keep &= np.isin(self.seeds, [seed for seed in wanted if type(seed) is int])
+                keep &= np.isin(self.seeds, list(wanted))
             else:
                 fits = np.array([value in wanted for value in self.settings.column(name)], bool)
                 keep &= fits[self.setting]
@@ -154,5 +154,16 @@ class Table(Sequence[Row]):
         return np.where(self.column("diverged") > 0.0, np.nan, self.column(metric))
 
     def taken(self, rows: NDArray[np.intp]) -> Table:
-        """Return the rows at these places."""
-        return Table(self.settings, self.setting[rows], self.seeds[rows], self.metrics[rows])
+        """Return the rows at these places.
+
+        Raises
+        ------
+        InvalidValue
+            If they are no whole numbers, or there is no such row.
+        """
+        given = as_floats("rows", rows, "(N,)")
+        is_row = given.ndim == 1 and np.ndim(rows) == 1 and np.asarray(rows).dtype.kind in "iu"
+        places = given.astype(np.intp) if is_row else given
+        if not is_row or not ((places >= 0) & (places < len(self))).all():
+            raise InvalidValue("rows", rows, f"a list of whole numbers from 0 to {len(self) - 1}")
+        return Table(self.settings, self.setting[places], self.seeds[places], self.metrics[places])

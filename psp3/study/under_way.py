@@ -1,4 +1,4 @@
-"""Work that is handed out and comes back, with a way to wake who waits for it."""
+"""Work in progress: items handed out and returned, and a way to wake a waiting thread."""
 
 from __future__ import annotations
 

@@ -104,16 +104,16 @@ def learners(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
         )
     )
     sentence = (
-        f"What the learner does matters more than the type: at {first:g} dB type-1 with rules "
-        f"that average their samples leaves {significant(averaged)} m², type-2 with rules that "
-        f"keep one sample {significant(strongest)} m²."
+        f"The learner matters more than the type: at {first:g} dB the error is "
+        f"{significant(averaged)} m² for type-1 with rules that average their samples, and "
+        f"{significant(strongest)} m² for type-2 with rules that keep one sample."
         if averaged < strongest
-        else f"At {first:g} dB type-2 with rules that keep one sample leaves "
-        f"{significant(strongest)} m², type-1 with rules that average "
-        f"{significant(averaged)} m²."
+        else f"At {first:g} dB the error is {significant(strongest)} m² for type-2 with rules that "
+        f"keep one sample, and {significant(averaged)} m² for type-1 with rules that average "
+        "their samples."
     )
     if not_better:
-        sentence += f" And type-2 is not always better (type-1 first): {said}."
+        sentence += f" Type-2 is not always better (type-1 first): {said}."
     outcome.answer.append(sentence)
 
 
@@ -165,13 +165,13 @@ def averaging(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
                 [f"{entry['type_1_wins']} of {entry['seeds_compared']}" for entry in noisy]
             )
             sentences.append(
-                f"with rules {label} it leaves {wide} m² at {levels} dB, type-2 {type_2} m², and "
-                f"wins in {wins} seeds"
+                f"With rules {label} its error is {wide} m² at {levels} dB, that of type-2 is "
+                f"{type_2} m², and it wins in {wins} seeds."
             )
     if sentences:
         outcome.answer.append(
-            "The gain is that of averaging over rules, and needs no type-2. Plain type-1 with "
-            f"terms {widest} times as wide learns from the same noise: {'; '.join(sentences)}."
+            "The gain comes from averaging over rules, and does not need type-2. Type-1 with "
+            f"terms {widest} times as wide learns from the same noise. {' '.join(sentences)}"
         )
 
 
@@ -272,14 +272,14 @@ def readings(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
     worse = sum(word == "type-1 better" for _, word in verdicts)
     if helped:
         outcome.answer.append(
-            f"Under other readings of the noise type-2 is shown to be better in {len(helped)} of "
-            f"{len(verdicts)} cases."
+            "With noise elsewhere, or wrong masses, type-2 is shown to be better in "
+            f"{len(helped)} of {len(verdicts)} cases."
         )
     else:
-        cost = ": its wider terms cost accuracy that no averaging pays back" if worse else ""
+        cost = ", because its wider terms are less accurate" if worse else ""
         outcome.answer.append(
-            "Under the other readings (noise on measurements, on M, C and G at run time, or "
-            "masses that are off) type-2 is never shown to beat type-1, and is shown to be "
+            "If the noise is on the measurements, on M, C and G at run time, or if masses are "
+            "wrong, type-2 is never shown to be better than type-1. It is shown to be "
             f"worse in {worse} of {len(verdicts)} cases{cost}."
         )
 

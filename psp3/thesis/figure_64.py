@@ -57,10 +57,10 @@ def type_2_against_type_1(results: Outcomes, plan: Plan, outcome: Reproduction) 
                 "rules",
                 "SNR [dB]",
                 "type-2 minus type-1 [m²]",
-                "printed T2/T1, one run",
-                "T2/T1 of means",
-                "T2/T1 of single runs, 2.5 to 97.5 %",
-                "T2/T1 of geometric means",
+                "error of type-2 over type-1, printed, one run",
+                "the same, means",
+                "the same, single runs, 2.5 to 97.5 %",
+                "the same, geometric means",
                 "type-1 wins, seeds",
                 "left out, seeds",
                 "verdict",
@@ -74,8 +74,9 @@ def type_2_against_type_1(results: Outcomes, plan: Plan, outcome: Reproduction) 
             f"{coverage_in_words(*ESTIMANDS, seeds=plan.seeds)}. The printed ratio is that of one "
             "run each, so it is compared with the spread of single runs. That is so wide that a "
             "printed ratio within it neither confirms nor contradicts ours. The thesis writes that "
-            "T2/T1 rises with the noise; its own numbers give 1, 0.51, 0.28, 0.25, which falls. "
-            "What rises is T1/T2, and so Figure 64 is drawn. Here T1/T2 of means is "
+            "type-2's error over type-1's rises with the noise; its own numbers give 1, 0.51, "
+            "0.28, 0.25, which falls. What rises is type-1's error over type-2's, and so Figure "
+            "64 is drawn. Here that ratio of means is "
             f"{listed([f'{inverse:.2f}' for inverse in inverses])} at {levels} dB, and "
             f"{'rises' if inverses == sorted(inverses) else 'does not rise'} with the noise.",
             figures=("figure_64",),

@@ -44,7 +44,7 @@ class Table:
     detail : bool
         Whether it is for the report only, not for the terminal.
     opening : bool
-        Whether the report opens with it, before the answer.
+        Whether the report shows it unfolded, above the others.
     """
 
     title: str
@@ -80,6 +80,8 @@ class Reproduction:
 
     Parameters
     ----------
+    sentence : str
+        What came out, in one sentence.
     tables : list of Table
         Printed and computed values side by side.
     answer : list of str
@@ -94,6 +96,7 @@ class Reproduction:
         Everything that was written.
     """
 
+    sentence: str = ""
     tables: list[Table] = field(default_factory=list)
     answer: list[str] = field(default_factory=list)
     results: dict[str, Result] = field(default_factory=dict)
@@ -107,9 +110,10 @@ def verdict(
     printed: float,
     spread: tuple[float, float] | None = None,
     *,
+    reason: str,
     fitted: bool = False,
 ) -> str:
-    """Say in words how a number compares with the printed one.
+    """Say in words how a number compares with the printed one, and why.
 
     Parameters
     ----------
@@ -118,27 +122,29 @@ def verdict(
     spread : (2,) tuple of float, optional
         Spread of single runs, where the computed number is a mean of many. The printed one is a
         single run, so whether it lies within is said.
+    reason : str
+        Why the numbers agree no better, or agree: no verdict stands without it.
     fitted : bool
         Whether something was chosen so that the numbers agree, which then reproduces nothing.
 
     Returns
     -------
     str
-        "reproduced" or "matched by a fit", "same order" or "not reproduced", and the
-        difference or ratio.
+        "reproduced" or "matched by a fit", "same order" or "not reproduced", the difference or
+        ratio, and the reason.
     """
     if not np.isfinite(computed):
         return "not reproduced: every run diverged"
     ratio = computed / printed
     if abs(ratio - 1.0) <= REPRODUCED:
         words = MATCHED if fitted else "reproduced"
-        return f"{words} ({100 * (ratio - 1):+.1f} %)"
+        return f"{words} ({100 * (ratio - 1):+.1f} %): {reason}"
     # Unbroken spaces, or the sign would end a line in narrow tables.
     times = f"×\N{NO-BREAK SPACE}{ratio:.2g}"
     said = "" if spread is None else place_in(spread, printed)
     return (
-        f"{'same order' if 1.0 / SAME_ORDER <= ratio <= SAME_ORDER else 'not reproduced'} ({times})"
-        + (f"; printed {said}" if said else "")
+        f"{'same order' if 1.0 / SAME_ORDER <= ratio <= SAME_ORDER else 'not reproduced'} "
+        f"({times}): {reason}" + (f"; printed {said}" if said else "")
     )
 
 
@@ -213,10 +219,13 @@ def as_numbers(estimate: Estimate) -> dict[str, float | int | str]:
     }
 
 
-def compared(label: str, printed: Array, computed: Array, bar: float | None) -> list[list[str]]:
+def compared(
+    label: str, printed: Array, computed: Array, bar: float | None, reason: str
+) -> list[list[str]]:
     """Return rows of a matrix as printed and as computed with parameters that were fitted to it.
 
-    Within ``bar`` they count as matched, and None says they cannot be reproduced.
+    Within ``bar`` they count as matched, and None says they cannot be reproduced; ``reason`` says
+    why.
     """
     rows = []
     for number, (old, new) in enumerate(
@@ -224,9 +233,9 @@ def compared(label: str, printed: Array, computed: Array, bar: float | None) -> 
     ):
         gap = float(np.abs(old - new).max())
         words = (
-            "not reproducible"
+            f"not reproducible: {reason}"
             if bar is None
-            else f"{MATCHED if gap <= bar else 'not matched'}, to {gap:.4f}"
+            else f"{MATCHED if gap <= bar else 'not matched'}, to {gap:.4f}: {reason}"
         )
         rows.append(
             [

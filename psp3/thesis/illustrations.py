@@ -20,8 +20,9 @@ from psp3.plots.panels import Panels
 from psp3.simulation.metrics import largest_tip_error, sum_of_squared_errors
 from psp3.simulation.result import Result
 from psp3.study.intervals import coverage_in_words
-from psp3.thesis import figures
+from psp3.thesis import figures, opening
 from psp3.thesis.findings import Drawing, significant
+from psp3.thesis.machine import figure_of_machine
 from psp3.thesis.plan import NOISY, Plan, Series, count, decibels
 from psp3.three_psp.robot import PSP3
 from psp3.trajectories.paths import Helix
@@ -40,7 +41,7 @@ def draw_all(
     plan: Plan,
     directory: Path,
 ) -> Iterator[Drawing]:
-    """Draw Figures 49, 51 to 64 and the sweep of the mean variation, one after the other.
+    """Draw the machine, the result, Figures 49 and 51 to 64, and the sweep of the mean variation.
 
     Parameters
     ----------
@@ -51,7 +52,7 @@ def draw_all(
     seed : int
         Seed of the noise in the fuzzy ones of these.
     curves : mapping of Series
-        ``"figure_64"`` and ``"mean_variation"``.
+        ``"result"``, ``"figure_64"`` and ``"mean_variation"``.
     plan : Plan
         Whose seeds these stand on.
     directory : path
@@ -70,6 +71,35 @@ def draw_all(
         with written_whole(path, "wb") as file:
             figure.savefig(file, format="svg", metadata={"Date": None})
         return Drawing(path, caption, description)
+
+    yield saved(
+        "machine",
+        figure_of_machine(robot),
+        "The 3-PSP robot. Three motors turn three upright screws; on each a nut moves up and down, "
+        "at the heights a₁, a₂ and a₃ [m]. Through a ball joint each nut guides an arm of the "
+        "star, which carries the tool.",
+        "Three upright screws stand on a base. The orange star lies across them, tilted a little, "
+        "and each of its arms slides in a ball at one of the nuts.",
+    )
+    lines = {label: sum_of_squared_errors(results[name]) for name, label in opening.LINES.items()}
+    yield saved(
+        "result",
+        opening.figure_of_result(curves["result"], lines),
+        "The result: the error of fuzzy controllers that learn from noisy records, means with 95 % "
+        f"intervals ({count(plan.seeds)}), beside two controllers that learn nothing. Rules keep "
+        "the sample that fires them most, or average all samples. A signal-to-noise ratio of "
+        "S dB means noise with an amplitude of 10^(−S/20) times the root mean square of what is "
+        "recorded. Lower is better.",
+        "; ".join(
+            f"{name}: "
+            + ", ".join(
+                f"{significant(value)} at {decibels(snr)} dB"
+                for snr, (value, _, _) in points.items()
+            )
+            for name, points in curves["result"].items()
+        )
+        + f" m². {', '.join(f'{name}: {significant(value)} m²' for name, value in lines.items())}.",
+    )
 
     recorded = record(robot, Helix(robot=robot))
     ranges = ", ".join(

@@ -19,7 +19,7 @@ from tempfile import TemporaryFile
 
 from fuzzy2.support.plain_data import plain
 from fuzzy2.support.text_files import made_folder, write_text
-from psp3.errors import InvalidValue
+from psp3.checks import MOST_SEEDS, checked_count
 from psp3.fuzzy_control.records import record
 from psp3.loading import load
 from psp3.published import DURATION, THESIS_SAMPLING_PERIOD
@@ -27,7 +27,7 @@ from psp3.study import latency, study
 from psp3.study.execution import simulate_run
 from psp3.study.intervals import MEASURED_COVERAGE, MEASURED_COVERAGE_OF_TEN
 from psp3.study.run import Run
-from psp3.thesis import beyond, chapter_5, chapter_6, definitions, figure_64
+from psp3.thesis import beyond, chapter_5, chapter_6, definitions, figure_64, opening
 from psp3.thesis.findings import Reproduction
 from psp3.thesis.plan import NOISY, Outcomes, Plan, Series, decibels
 from psp3.three_psp.parameters import PARAMETER_SETS
@@ -80,7 +80,7 @@ def reproduce(
     Raises
     ------
     InvalidValue
-        If ``seeds`` is not a whole number of at least 1.
+        If ``seeds`` is not a whole number from 1 to a million.
     fuzzy2.errors.FileNotWritten
         If the directory cannot be written to; before anything is computed.
     InvalidStudyFile, StudyMismatch, StudyInUse
@@ -89,8 +89,7 @@ def reproduce(
     StudyInterrupted
         After Ctrl-C; what was done is kept.
     """
-    if isinstance(seeds, bool) or not isinstance(seeds, int) or seeds < 1:
-        raise InvalidValue("seeds", seeds, "a whole number of at least 1")
+    checked_count("seeds", seeds, 1, MOST_SEEDS)
     directory = Path(out)
     made_folder(directory / "figures")
     # Nothing is left behind, and no file of the user's is taken for ours.
@@ -160,7 +159,11 @@ def _chapter_6(runs: study.Study, plan: Plan, outcome: Reproduction) -> dict[str
     beyond.numbers_of_terms(results, plan, outcome)
     beyond.other_trajectories(results, plan, outcome)
     chapter_6.table_6_1(robot, outcome)
-    return {"figure_64": figure_64.ratios_of_figure_64(results, plan), "mean_variation": variations}
+    return {
+        "result": opening.errors_of_result(results, plan),
+        "figure_64": figure_64.ratios_of_figure_64(results, plan),
+        "mean_variation": variations,
+    }
 
 
 def _table_6_2(outcome: Reproduction, quick: bool) -> None:
@@ -208,8 +211,10 @@ def _animation(outcome: Reproduction, directory: Path) -> None:
 def _write(outcome: Reproduction, plan: Plan, directory: Path) -> None:
     from psp3.thesis.report import write_report
 
+    opening.opening(plan, outcome)
     for name in ("PD", "CTC"):
         outcome.files.append(outcome.results[name].save(directory / f"{name.lower()}.npz"))
+    outcome.numbers["sentence"] = outcome.sentence
     outcome.numbers["answer"] = outcome.answer
     outcome.numbers["seeds"] = {"table_6_3": plan.seeds, "sweeps": plan.sweep_seeds}
     helix = Helix()

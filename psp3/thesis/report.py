@@ -1,4 +1,8 @@
-"""Write what :mod:`psp3.thesis.replication` found as one HTML file that needs nothing else."""
+"""Write what :mod:`psp3.thesis.replication` found as one HTML file that needs nothing else.
+
+It opens with one sentence, the picture of the machine, the figure of the result and a table of
+verdicts. All else is folded: titles are seen, and what is below one of them when it is opened.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +10,17 @@ from pathlib import Path
 
 from fuzzy2.support.markup import Markup, element, joined
 from fuzzy2.support.text_files import write_text
-from psp3.plots.page import contents, drawing, listed, note_below, page, table
+from psp3.plots.page import (
+    drawing,
+    folded,
+    lead,
+    listed,
+    note_below,
+    page,
+    side_by_side,
+    table,
+    table_alone,
+)
 from psp3.thesis.findings import Drawing, Reproduction, Table
 
 TITLE = "3-PSP robot: the thesis's comparison, recomputed"
@@ -14,15 +28,19 @@ TITLE = "3-PSP robot: the thesis's comparison, recomputed"
 ANIMATION = "animation.html"
 """The page beside the report."""
 
+OPENING = ("machine", "result")
+"""Names of the drawings that the report opens with."""
+
 
 def _figure(found: Drawing) -> Markup:
     return drawing(found.path.read_bytes(), found.caption, found.description)
 
 
-def _table(number: int, found: Table, drawings: dict[str, Drawing]) -> Markup:
-    shown = table(f"table-{number}", found.title, found.columns, found.rows, found.note)
+def _folded_table(number: int, found: Table, drawings: dict[str, Drawing]) -> Markup:
+    anchor = f"table-{number}"
+    shown = table_alone(anchor, found.columns, found.rows, found.note)
     figures = (_figure(drawings[name]) for name in found.figures if name in drawings)
-    return joined([shown, *figures])
+    return folded(anchor, found.title, shown, *figures)
 
 
 def write_report(outcome: Reproduction, path: Path) -> Path:
@@ -31,7 +49,7 @@ def write_report(outcome: Reproduction, path: Path) -> Path:
     Parameters
     ----------
     outcome : Reproduction
-        Answer, tables and drawings; these are embedded.
+        Sentence, answer, tables and drawings; these are embedded.
     path : path
         The HTML file.
 
@@ -41,8 +59,8 @@ def write_report(outcome: Reproduction, path: Path) -> Path:
         ``path``.
     """
     drawings = {found.name: found for found in outcome.drawings}
-    placed = {name for found in outcome.tables for name in found.figures}
-    rest = (_figure(found) for name, found in drawings.items() if name not in placed)
+    placed = {*OPENING, *(name for found in outcome.tables for name in found.figures)}
+    rest = [_figure(found) for name, found in drawings.items() if name not in placed]
     animation = (
         element(
             "p",
@@ -53,27 +71,27 @@ def write_report(outcome: Reproduction, path: Path) -> Path:
         if any(file.name == ANIMATION for file in outcome.files)
         else ""
     )
-    links = [(f"table-{number}", found.title) for number, found in enumerate(outcome.tables)]
-    opening, tables = (
-        joined(
-            _table(number, found, drawings)
-            for number, found in enumerate(outcome.tables)
-            if found.opening == first
-        )
-        for first in (True, False)
+    numbered = list(enumerate(outcome.tables))
+    opening = (
+        table(f"table-{number}", found.title, found.columns, found.rows, found.note)
+        for number, found in numbered
+        if found.opening
+    )
+    others = (
+        _folded_table(number, found, drawings) for number, found in numbered if not found.opening
     )
     versions = ", ".join(
         f"{name} {number}" for name, number in outcome.numbers.get("versions", {}).items()
     )
     text = page(
         TITLE,
-        opening,
-        listed(outcome.answer, class_="answer"),
+        lead(outcome.sentence),
+        side_by_side(*(_figure(drawings[name]) for name in OPENING if name in drawings)),
+        joined(opening),
         animation,
-        contents([*links, ("figures", "Figures")]),
-        tables,
-        element("h2", "Figures", id="figures"),
-        *rest,
+        folded("answer", "The results in sentences", listed(outcome.answer, class_="answer")),
+        joined(others),
+        folded("figures", "Figures 49 to 63, redrawn", *rest) if rest else "",
         note_below(
             f"Computed with {versions}. All numbers are in results.json, all runs in study.sqlite."
         ),

@@ -20,6 +20,7 @@ from fuzzy2.support.compiled import compiled
 from psp3.checks import Array
 from psp3.three_psp import closed_form
 from psp3.three_psp.closed_form import _equation, _solve
+from psp3.three_psp.few_states import are_few, kernel_of_closed_form
 
 # Of fewer rows no vector of AVX-512 is full, and the closed form's own kernels take less time.
 FEWEST = 8
@@ -235,8 +236,8 @@ def first_refused_row(name: str, inputs: Sequence[Array], p: Array, *outs: Array
     """
     rows = inputs[0].size // 3
     before, after = [a.reshape(-1) for a in inputs], [a.reshape(-1) for a in outs]
-    if rows < FEWEST:
-        row: int = getattr(closed_form, name)(*before, p, *after)
+    if rows < FEWEST or are_few(rows):
+        row: int = kernel_of_closed_form(name)(*before, p, *after)
         return row
     kernel, grain = _KERNELS[name]
     widths = [a.size // rows for a in after]

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from fuzzy2.support.interpreted import few_calls
 from psp3.description.loop_file import constraint_models, read_loops
 from psp3.description.parts import ROBOT_FILES
 from psp3.description.srdf import reference_poses
@@ -34,9 +35,10 @@ def load_psp3(parameters: str | Parameters) -> PSP3:
             [model.joints[model.getJointId(name)].idx_q for name in loops.actuated]
         ]
         wider = numbers.screw_radius / Parameters().screw_radius
-        model.referenceConfigurations[pose.key()] = robot.configuration(
-            heights.mean() + wider * (heights - heights.mean())
-        )
+        with few_calls():
+            model.referenceConfigurations[pose.key()] = robot.configuration(
+                heights.mean() + wider * (heights - heights.mean())
+            )
     return robot
 
 

@@ -91,10 +91,9 @@ class Pose:
 class PSP3(ClosedLoopRobot):
     """The 3-PSP robot in closed form; get one from :func:`psp3.load`.
 
-    Every method takes leading batch dimensions, and any heights whose three arm lengths come out
-    positive. The stroke of the screws, ``stroke``, is the business of trajectories and of the
-    simulation. Another robot has other ``parameters``; changes of ``model``, of gravity too, come
-    too late.
+    Every method takes leading batch dimensions, and any heights at which the three arm lengths are
+    positive. Trajectories and the simulation check the stroke of the screws, ``stroke``. Other
+    ``parameters`` need another robot: later changes of ``model``, of gravity too, have no effect.
 
     Parameters
     ----------
@@ -127,9 +126,11 @@ class PSP3(ClosedLoopRobot):
         )
 
     def _load_kernels(self) -> None:
-        from psp3.three_psp import closed_form, many_states
+        """Take the closed form: the compiled one, as soon as more than a few calls are to come."""
+        from psp3.three_psp import many_states
+        from psp3.three_psp.few_states import KernelsOnDemand
 
-        self._kernels = closed_form
+        self._kernels: Any = KernelsOnDemand(self)
         self._of_many = many_states.first_refused_row
 
     def __getstate__(self) -> dict[str, Any]:
@@ -152,7 +153,7 @@ class PSP3(ClosedLoopRobot):
 
     @property
     def title(self) -> str:
-        """What the robot is called where it is shown."""
+        """Name of the robot where it is shown."""
         return "3-PSP robot"
 
     @property

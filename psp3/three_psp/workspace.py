@@ -50,7 +50,8 @@ class WorkspaceMap:
     center : (..., 3) ndarray
         Center of the star in base axes [m].
     parasitic_motion : (...,) ndarray
-        Distance of the center from the vertical axis, which tilting causes and nobody asks for [m].
+        Parasitic motion: distance of the center from the vertical axis, a side effect of tilting
+        [m].
     arms : (..., 3) ndarray
         Arm lengths [m].
     tip : (..., 3) ndarray

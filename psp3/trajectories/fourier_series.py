@@ -9,7 +9,7 @@ Optimal robot excitation and identification, IEEE Transactions on Robotics and A
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -64,6 +64,13 @@ class FourierSeries(Trajectory):
                 "sines and cosines", f"(H, {self.width}) with H of at least 1", cosines
             )
         self.period = checked_positive("period", period)
+
+    def _shape(self) -> dict[str, Any]:
+        return {
+            "period": f"{self.period:g} s",
+            "harmonics": self.harmonics,
+            "center": self.center,
+        }
 
     @property
     def harmonics(self) -> int:

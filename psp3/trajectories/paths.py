@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -57,6 +59,13 @@ class Helix(Trajectory):
             float(_home(self.robot)[2]) if height is None else checked_finite("height", height)
         )
 
+    def _shape(self) -> dict[str, Any]:
+        return {
+            "radius": f"{self.radius:g} m",
+            "period": f"{self.period:g} s",
+            "rise": f"{self.rise:g} m/s",
+        }
+
     def _path(self, t: Array) -> tuple[Array, Array, Array]:
         omega = 2.0 * np.pi / self.period
         x, y = self.radius * np.cos(omega * t), self.radius * np.sin(omega * t)
@@ -88,7 +97,7 @@ class Circle(Helix):
 
 
 class Hold(Trajectory):
-    """A robot that rests.
+    """A constant position: the robot rests.
 
     Parameters
     ----------
@@ -117,6 +126,9 @@ class Hold(Trajectory):
         else:
             self.point = one_row("point", point, self.width)
 
+    def _shape(self) -> dict[str, Any]:
+        return {"point": self.point}
+
     def _path(self, t: Array) -> tuple[Array, Array, Array]:
         point = np.broadcast_to(self.point, (*t.shape, self.width)).copy()
         return point, np.zeros_like(point), np.zeros_like(point)
@@ -136,6 +148,9 @@ class _Segment(Trajectory):
         super().__init__(robot, space)
         self.start, self.end = one_row("start", start, self.width), one_row("end", end, self.width)
         self.duration: float = checked_positive("duration", duration)
+
+    def _shape(self) -> dict[str, Any]:
+        return {"start": self.start, "end": self.end}
 
     def _progress(self, x: Array) -> tuple[Array, Array, Array]:
         """Share of the way at the share x of the time, with its first and second derivative.

@@ -71,6 +71,9 @@ class Waypoints(Trajectory):
         self.duration: float = float(knots[-1])
         self._spline = _spline(knots, values, "clamped")
 
+    def _shape(self) -> dict[str, Any]:
+        return {"points": len(self._spline.x)}
+
     def _path(self, t: Array) -> tuple[Array, Array, Array]:
         return _spline_motion(self._spline, t)
 
@@ -115,6 +118,9 @@ class FromCSV(Trajectory):
         except (InvalidArray, InvalidValue) as error:
             raise InvalidTrajectoryFile(path, str(error)) from error
         self.duration: float = float(knots[-1])
+
+    def _shape(self) -> dict[str, Any]:
+        return {"rows": len(self._spline.x)}
 
     def _path(self, t: Array) -> tuple[Array, Array, Array]:
         return _spline_motion(self._spline, t)

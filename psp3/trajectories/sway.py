@@ -1,4 +1,4 @@
-"""A motion to look at for any robot: what motors command goes to and fro about its reference."""
+"""A demonstration motion for any robot: the motors swing about the reference pose."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def _phases(home: Array, lower: Array, upper: Array) -> Array:
 
 
 def _amplitudes(robot: Robot, home: Array, lower: Array, upper: Array) -> Array:
-    """Return amplitudes that limits and size allow; whether the loops do is not looked at."""
+    """Return amplitudes that limits and size allow; the loops are not checked."""
     room = np.minimum(home - lower, upper - home)
     between = _range(lower, upper)
     at_a_limit = room <= AT_A_LIMIT * between

@@ -11,10 +11,12 @@ also looks at the limits of the actuated joints, and a simulation does so before
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fuzzy2.support.described import Described
 from psp3.checks import Array, checked_robot
 from psp3.collisions.motion import check_clearance
 from psp3.errors import InvalidValue, UnknownName
@@ -32,7 +34,7 @@ def _default_robot() -> Robot:
     return load("psp3")
 
 
-class Trajectory:
+class Trajectory(Described):
     """Base of the trajectories: a path in time, of the tip or of the actuated joints.
 
     A subclass gives ``_path(t)``, the position on the path with its velocity and acceleration. What
@@ -72,6 +74,14 @@ class Trajectory:
                 "tip",
                 "'joints' for another robot than the 3-PSP, whose tip has an inverse kinematics",
             )
+
+    def _facts(self) -> dict[str, Any]:
+        duration = None if self.duration is None else f"{self.duration:g} s"
+        return {**self._shape(), "duration": duration, "space": self.space, "robot": self.robot}
+
+    def _shape(self) -> dict[str, Any]:
+        """Return what a subclass says of its path, see :class:`Described`."""
+        return {}
 
     @property
     def width(self) -> int:

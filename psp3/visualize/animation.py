@@ -10,13 +10,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from psp3.checks import Array
+from psp3.checks import Array, check_periods
 from psp3.errors import InvalidValue
 from psp3.simulation.result import Result
 from psp3.trajectories.trajectory import Trajectory
 
 FRAME_RATE = 30.0
 """Frames per second of an animation; the browser interpolates between them."""
+
+MOST_FRAMES = 10**6
+"""Nine hours; no page holds more."""
 
 _TRACK_TYPES = {"position": "vector3", "quaternion": "quaternion", "scale": "vector3"}
 
@@ -86,6 +89,7 @@ def frames_of(motion: Result | Trajectory, duration: float | None = None) -> Fra
 
 
 def _even_times(start: float, end: float) -> Array:
+    check_periods(end - start, 1.0 / FRAME_RATE, MOST_FRAMES)
     times: Array = np.linspace(start, end, max(2, round((end - start) * FRAME_RATE) + 1))
     return times
 

@@ -1,11 +1,11 @@
-"""The scene in a browser that follows what is done to it, served to this machine only."""
+"""A live scene in the browser, served to this machine only."""
 
 from __future__ import annotations
 
 import threading
 from types import TracebackType
 
-from psp3.errors import InvalidValue
+from psp3.checks import checked_count
 from psp3.robots.robot import Robot
 from psp3.visualize.scene import Scene
 from psp3.visualize.server import SceneServer
@@ -46,9 +46,7 @@ class Viewer(Scene):
         self._thread.start()
 
     def _listen(self, port: int) -> SceneServer:
-        is_whole = isinstance(port, int) and not isinstance(port, bool)
-        if not is_whole or not 0 <= port <= LAST_PORT:
-            raise InvalidValue("port", port, f"from 0 to {LAST_PORT}")
+        port = checked_count("port", port, 0, LAST_PORT)
         for candidate in range(port, min(port + 100, LAST_PORT + 1)):
             try:
                 return SceneServer(candidate, self._commands)

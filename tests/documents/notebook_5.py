@@ -52,8 +52,8 @@ TEMPLATES = (
         "Against the variance of each entry, against one in each unit (0 dBW), or with noise on "
         'the recorded inputs (`snr_reference` and `reading="inputs"` of `psp3.Run`), type-2\'s '
         "error is {derived/whole/min:.2f} to {derived/whole/max:.2f} times type-1's, and with the"
-        " mean variation that suits it best about the same. `psp3 reproduce` opens its report "
-        "with that table."
+        " mean variation that suits it best about the same. The report of `psp3 reproduce` "
+        "has that table."
     ),
     (
         "it is {derived/times/10/t1:.1f} to {derived/times/20/t1:.1f} times as large as printed, "

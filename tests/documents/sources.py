@@ -40,6 +40,7 @@ def sources(outcome: Reproduction, numbers: Mapping[str, Any], runs: list[Row]) 
     runs : list of Row
         The runs in its study.
     """
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     return {
         **numbers,
         "rows": {
@@ -50,6 +51,8 @@ def sources(outcome: Reproduction, numbers: Mapping[str, Any], runs: list[Row]) 
         "derived": _derived(numbers),
         "notebook": _of_the_notebook(Outcomes(runs)),
         "µs": _times(),
+        "along a path": _along_a_path(),
+        "board": _board(),
         "timed system": _timed_system(),
         "order": _tables("concepts/fuzzy_computed_torque.md", ("torque", "tracking"), r"\d+ dB"),
         "bars": {
@@ -61,9 +64,9 @@ def sources(outcome: Reproduction, numbers: Mapping[str, Any], runs: list[Row]) 
             "rounded": test_built_robots.ROUNDED,
         },
         "verdict": {"reproduced": REPRODUCED, "same order": SAME_ORDER},
-        "python": tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"][
-            "requires-python"
-        ].removeprefix(">="),
+        "python": project["requires-python"].removeprefix(">="),
+        "version": project["version"],
+        "license": project["license"],
     }
 
 
@@ -93,7 +96,7 @@ def row(*cells: str) -> str:
 
 
 def _result_rows(outcome: Reproduction) -> list[str]:
-    """Return the rows of README's second table: Table 6.3 and Figure 64 of the report."""
+    """Return the rows of the last table of docs/results.md: Table 6.3 and Figure 64."""
 
     def table(title: str) -> list[list[str]]:
         return next(table.rows for table in outcome.tables if table.title.startswith(title))
@@ -108,12 +111,14 @@ def _result_rows(outcome: Reproduction) -> list[str]:
         more = f"{verdict}; type-1 wins in {wins.partition(',')[0]}; {lost} left out"
         rows.append(row(label, printed, ratio, spread, more))
     rows = [line.replace("spread of single runs", "spread") for line in rows]
+    # Why, the page says above its table.
+    rows = [re.sub(r"(\((?:×|[-+])[^)]*\)): [^;|]*?(?=;| \|)", r"\1", line) for line in rows]
     # A line of Markdown has plain spaces.
     return [line.replace("\N{NO-BREAK SPACE}", " ") for line in rows]
 
 
 def _definition_rows(numbers: Mapping[str, Any]) -> list[str]:
-    """Return the rows of README's first table: ratios by rule and at their best."""
+    """Return the rows of the first table of docs/results.md: ratios by rule and at their best."""
     return [
         row(
             label,
@@ -337,6 +342,40 @@ def _times() -> dict[str, dict[str, str]]:
         heading, _, rest = section.partition("\n")
         found[heading] = dict(re.findall(r"^\| ([^|]+) \| ([^|]+) \|", rest, flags=re.MULTILINE))
     return found
+
+
+def _along_a_path() -> dict[str, str]:
+    """Return the times of inverse dynamics in docs/benchmarks.md, and those over MuJoCo's."""
+    text = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
+    section = text.partition("## Robots with loops in general")[2].partition("chains of")[0]
+    robots, times = re.findall(
+        r"^\| (?:\[µs\]|inverse_dynamics, from the pose before) \| (.*) \|$",
+        section,
+        flags=re.MULTILINE,
+    )
+    (of_mujoco,) = re.findall(r"`inverse_dynamics` takes ([\d.]+) ×", section)
+    return {
+        **dict(zip(robots.split(" | "), times.split(" | "), strict=True)),
+        "of MuJoCo": of_mujoco,
+    }
+
+
+def _board() -> dict[str, Any]:
+    """Return how many entries the board of docs/how_to/benchmark.md has, and its best learner."""
+    text = (ROOT / "docs" / "how_to" / "benchmark.md").read_text(encoding="utf-8")
+    rows = re.findall(
+        r"^\| \d+ \| `([^`]+)` \| (the model|samples) \| (.*) \|$", text, re.MULTILINE
+    )
+    entry, _, cells = next(row for row in rows if row[1] == "samples")
+    times = re.search(r"([\d.]+) \(([\d.]+) to ([\d.]+)\)", cells)
+    assert times is not None
+    return {
+        "entries": len(rows),
+        "learner": {
+            "entry": entry,
+            **dict(zip(("times", "low", "high"), times.groups(), strict=True)),
+        },
+    }
 
 
 def _timed_system() -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""README, the page on the thesis and notebook 5 say what the job finds, number by number.
+"""README, the pages on the thesis and notebook 5 say what the job finds, number by number.
 
 The job is done once, with its default seeds. A wrong number fails with the sentence as it should
 be, and a number that no template has fails with its place.
@@ -19,13 +19,13 @@ import pytest
 from psp3.study.study import Study
 from psp3.thesis import replication
 from psp3.thesis.plan import Plan
-from tests.documents import notebook_5, readme, thesis_page
+from tests.documents import notebook_5, readme, results_page, thesis_page
 from tests.documents.numbers import FIELD, NUMBER, exempt, free_numbers, problems, prose
 from tests.documents.sources import LEVELS, sources
 from tests.maps.named_tests import functions_of
 from tests.processes import ROOT
 
-THESIS = ROOT / "docs" / "thesis.md"
+THESIS, RESULTS = ROOT / "docs" / "thesis.md", ROOT / "docs" / "results.md"
 
 
 def notebook_text() -> str:
@@ -49,6 +49,7 @@ class Document(NamedTuple):
 
 DOCUMENTS = {
     "README.md": Document(lambda: (ROOT / "README.md").read_text(encoding="utf-8"), readme),
+    "docs/results.md": Document(lambda: RESULTS.read_text(encoding="utf-8"), results_page),
     "docs/thesis.md": Document(lambda: THESIS.read_text(encoding="utf-8"), thesis_page),
     "notebook 5": Document(notebook_text, notebook_5),
 }
@@ -120,7 +121,8 @@ def test_any_other_digit_is_noticed(document: Document, found: Mapping[str, Any]
 def test_a_number_that_moves_is_noticed(found: Mapping[str, Any]) -> None:
     """A result that is another one fails with the sentence as it should be."""
     moved = {**found, "noise_on_gravity_at_20_dB": {"noise": 3.0, "standard_deviation": 0.6}}
-    for document in DOCUMENTS.values():
+    for name in ("docs/results.md", "docs/thesis.md", "notebook 5"):
+        document = DOCUMENTS[name]
         wrong = problems(document.text, document.said.TEMPLATES, moved)
         assert any("3.0 N" in problem and "8.7 N" in problem for problem in wrong)
 

@@ -88,22 +88,23 @@ def test_unknown_name_is_an_attribute_error() -> None:
 
 
 @pytest.mark.slow
-def test_the_cache_may_be_where_nothing_can_be_written() -> None:
-    assert (
-        run(COMPUTE, NUMBA_CACHE_DIR=UNWRITABLE, HOME=UNWRITABLE, XDG_CACHE_HOME=UNWRITABLE)
-        == COMPUTED
-    )
+def test_the_cache_may_be_where_nothing_can_be_written(tmp_path: Path) -> None:
+    """Code is kept in a private folder below the temporary directory then."""
+    environment = {"NUMBA_CACHE_DIR": UNWRITABLE, "HOME": UNWRITABLE, "XDG_CACHE_HOME": UNWRITABLE}
+    assert run(COMPUTE, TMPDIR=str(tmp_path), **environment) == COMPUTED
+    assert list((tmp_path / f"psp3-{os.getuid()}").rglob("*.nbc"))
 
 
 @pytest.mark.slow
 def test_nothing_at_all_need_be_writable(tmp_path: Path) -> None:
     """The kernels are compiled anew then.
 
-    A file that bars the way to the cache stands for a read-only installation.
+    A file that bars the way to the cache stands for a temporary directory that cannot be written.
     """
     shutil.copytree(PACKAGE, tmp_path / "fuzzy2", ignore=shutil.ignore_patterns("__pycache__"))
-    (tmp_path / "fuzzy2" / "__pycache__").touch()
+    (tmp_path / f"psp3-{os.getuid()}").touch()
     environment = {"NUMBA_CACHE_DIR": UNWRITABLE, "HOME": UNWRITABLE, "XDG_CACHE_HOME": UNWRITABLE}
+    environment["TMPDIR"] = str(tmp_path)
     assert run(COMPUTE, root=tmp_path, **environment) == COMPUTED
     where = run("import fuzzy2; print(fuzzy2.__file__)", root=tmp_path, **environment)
     assert where.startswith(str(tmp_path))

@@ -49,7 +49,7 @@ def test_loads_do_not_share_what_can_be_changed() -> None:
     assert psp3.load("psp3").forward_kinematics(np.zeros(3)).tip[2] == before == 0.070
 
 
-@pytest.mark.parametrize("name", ["psp4", "", "PSP3", None])
+@pytest.mark.parametrize("name", ["psp4", "", "PSP3"])
 def test_unknown_robot_is_refused_with_the_known_names(name: str) -> None:
     with pytest.raises(UnknownName, match="known are psp3, five_bar") as caught:
         psp3.load(name)
@@ -58,16 +58,21 @@ def test_unknown_robot_is_refused_with_the_known_names(name: str) -> None:
     assert isinstance(caught.value, ValueError)
 
 
-@pytest.mark.parametrize("parameters", ["table_9_9", "", None])
+@pytest.mark.parametrize("parameters", ["table_9_9", ""])
 def test_unknown_parameter_set_is_refused_with_the_known_names(parameters: str) -> None:
     with pytest.raises(UnknownName, match="default, table_3_1, table_5_1"):
         psp3.load("psp3", parameters)
 
 
-@pytest.mark.parametrize("parameters", [["default"], {"screw_radius": 0.2}])
+@pytest.mark.parametrize("parameters", [["default"], {"screw_radius": 0.2}, None])
 def test_parameters_of_a_wrong_kind_are_refused(parameters: object) -> None:
     with pytest.raises(psp3.PSP3Error):
         psp3.load("psp3", parameters)  # type: ignore[arg-type]
+
+
+def test_no_name_is_refused() -> None:
+    with pytest.raises(psp3.PSP3Error, match="name of a robot, or the path of its file, got None"):
+        psp3.load(None)  # type: ignore[call-overload]
 
 
 def test_reference_poses_close_the_loops_and_are_those_of_the_closed_form() -> None:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from psp3.cli.options import RUNS
+from psp3.cli.options import RUNS, folder_path
 from psp3.cli.output import counted_progress, say, show_narrow, show_text
 from psp3.cli.shared import refuse_workers_of_scheduler, resumable
 
@@ -25,7 +25,9 @@ def benchmark(
     out: Annotated[
         Path,
         typer.Option(
-            file_okay=False, metavar="DIR", help="Directory to write to; made if it does not exist."
+            parser=folder_path,
+            metavar="DIR",
+            help="Directory to write to; made if it does not exist.",
         ),
     ] = Path("benchmark"),
     robot: Annotated[

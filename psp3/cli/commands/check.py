@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from psp3.cli.compilation import one_off
 from psp3.cli.options import USAGE, Json
 from psp3.cli.output import as_options, error_message, new_table, print_json, show
 from psp3.cli.robot_options import Free, RobotOptions
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from psp3.robots.examination import Examination
 
 
+@one_off
 def check(
     files: Annotated[
         list[str],

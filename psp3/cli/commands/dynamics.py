@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from psp3.cli.compilation import one_off
 from psp3.cli.joint_tables import force_units, position_labels, speed_labels
 from psp3.cli.option_groups import single_options
 from psp3.cli.options import Json, Numbers, Positions, numbers, of_each
-from psp3.cli.output import fixed, new_table, print_json, show, show_narrow, show_text
+from psp3.cli.output import fixed, new_table, plain_number, print_json, show, show_narrow, show_text
 from psp3.cli.robot_options import RobotOptions
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
 
 @single_options
+@one_off
 def dynamics(
     *,
     robot: RobotOptions,
@@ -115,8 +117,9 @@ def _show(
     numbers = [str(number) for number in range(1, len(labels) + 1)]
     units = "kg, kg m and kg m² as the coordinates slide or turn"
     for name, matrix, note in (("M", M, units), ("C", C, f"{units}, per second")):
+        largest = abs(matrix).max(initial=0.0)
         rows = [
-            [number, label, *(f"{value + 0.0:.6g}" for value in row)]
+            [number, label, *(plain_number(value, scale=largest) for value in row)]
             for number, label, row in zip(numbers, labels, matrix, strict=True)
         ]
         show_narrow(f"{name} of {robot.title}", ["", "coordinate", *numbers], rows, note)

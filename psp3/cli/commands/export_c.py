@@ -11,7 +11,7 @@ import typer
 
 from psp3.cli.export_options import ROBOT_OR_CONTROLLER, ThingOptions
 from psp3.cli.option_groups import single_options
-from psp3.cli.options import TorqueLimit, one_or_each, only_allowed
+from psp3.cli.options import TorqueLimit, folder_path, one_or_each, only_allowed
 from psp3.cli.output import say
 
 
@@ -24,9 +24,7 @@ class PrecisionName(StrEnum):
 
 def output_folder(text: str) -> Path:
     """Refuse a folder that cannot be made before anything is computed, not after."""
-    path = Path(text)
-    if path.exists() and not path.is_dir():
-        raise typer.BadParameter(f"{text} is no directory")
+    path = folder_path(text)
     if not path.parent.is_dir():
         raise typer.BadParameter(f"{text}: there is no directory {path.parent}")
     return path

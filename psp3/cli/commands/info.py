@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
+from psp3.cli.compilation import one_off
 from psp3.cli.joint_tables import joint_rows
 from psp3.cli.option_groups import single_options
 from psp3.cli.options import Json
-from psp3.cli.output import new_table, print_json, show
+from psp3.cli.output import new_table, plain_number, print_json, show
 from psp3.cli.robot_options import RobotOptions
 
 
 @single_options
+@one_off
 def info(*, robot: RobotOptions, json: Json = False) -> None:
     """Show a robot: joints, motors, loops and mobility; without one, versions and the 3-PSP."""
     if robot.is_of_thesis:
@@ -58,7 +60,7 @@ def info(*, robot: RobotOptions, json: Json = False) -> None:
             one["type"],
             one["role"],
             *(
-                "\n".join(f"{value + 0.0:.4g}" for value in one[key])
+                "\n".join(plain_number(value, 4) for value in one[key])
                 for key in ("reference", "lower", "upper")
             ),
             one["unit"],

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from psp3.cli.compilation import one_off
 from psp3.cli.joint_tables import joint_rows, position_labels
 from psp3.cli.option_groups import single_options
 from psp3.cli.options import (
@@ -18,7 +19,7 @@ from psp3.cli.options import (
     triple,
     usage_error,
 )
-from psp3.cli.output import fixed, new_table, print_json, show
+from psp3.cli.output import fixed, new_table, plain_number, print_json, show
 from psp3.cli.robot_options import RobotOptions
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
 
 @single_options
+@one_off
 def pose(
     *,
     robot: RobotOptions,
@@ -144,7 +146,7 @@ def _pose_of_thesis(robot: PSP3, a: Any, json: bool) -> None:
         ("parasitic motion", here.parasitic_motion, "m"),
         ("condition of the tip Jacobian", here.tip_condition, ""),
     ):
-        table.add_row(name, f"{value + 0.0:.6g}", "", "", unit)
+        table.add_row(name, plain_number(float(value)), "", "", unit)
     if not inside:
         table.caption = (
             f"Outside the stroke, {lower[0]:g} m to {upper[0]:g} m: the machine cannot take this "

@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from psp3.cli.options import folder_path
 from psp3.cli.output import progress_bars, say, show_narrow
 from psp3.cli.shared import resumable
 
@@ -17,7 +18,9 @@ def reproduce(
     out: Annotated[
         Path,
         typer.Option(
-            file_okay=False, metavar="DIR", help="Directory to write to; made if it does not exist."
+            parser=folder_path,
+            metavar="DIR",
+            help="Directory to write to; made if it does not exist.",
         ),
     ] = Path("results"),
     seeds: Annotated[

@@ -18,10 +18,11 @@ from psp3.cli.options import (
     Model,
     TorqueLimit,
     TrajectoryText,
+    file_path,
     listed,
     one_or_each,
     only_allowed,
-    output_file,
+    result_output,
 )
 from psp3.cli.output import (
     draw_figure,
@@ -67,6 +68,7 @@ def simulate(
     trained: Annotated[
         Path | None,
         typer.Option(
+            parser=file_path,
             metavar="FILE",
             help="A controller that psp3 train wrote, in place of --controller.",
             show_default=False,
@@ -87,7 +89,7 @@ def simulate(
     out: Annotated[
         Path | None,
         typer.Option(
-            parser=output_file,
+            parser=result_output,
             metavar="FILE",
             rich_help_panel=OUTPUT,
             help="Save the result as .npz, for psp3 view.",

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from psp3.cli.option_groups import single_options
-from psp3.cli.options import OUTPUT, PLANT, RUNS, SAMPLED, output_file, usage_error
+from psp3.cli.options import OUTPUT, PLANT, RUNS, SAMPLED, file_path, table_output, usage_error
 from psp3.cli.output import cell_text, counted_progress, say, show_narrow
 from psp3.cli.shared import refuse_workers_of_scheduler, resumable
 
@@ -182,6 +182,7 @@ def study(
     file: Annotated[
         Path,
         typer.Argument(
+            parser=file_path,
             metavar="FILE",
             help="SQLite file of the results: begun, resumed or extended.",
             show_default=False,
@@ -222,7 +223,7 @@ def study(
     csv: Annotated[
         Path | None,
         typer.Option(
-            parser=output_file,
+            parser=table_output,
             metavar="FILE",
             rich_help_panel=OUTPUT,
             help="Write fields and metrics of all runs as CSV, SI units.",

@@ -11,7 +11,7 @@ import typer
 
 from psp3.cli.joint_tables import joint_units
 from psp3.cli.option_groups import MotionOptions, single_options
-from psp3.cli.options import TrajectoryText, only_allowed, output_file
+from psp3.cli.options import TrajectoryText, controller_output, file_path, only_allowed
 from psp3.cli.output import new_table, say, show
 from psp3.cli.robot_options import RobotOptions
 from psp3.cli.shared import gains_of_computed_torque, trajectory_from_options
@@ -78,7 +78,9 @@ class RuleOptions:
             help="What gt2 makes crisp: first M, C and G, or last the torque, as the thesis.",
         ),
     ] = "first"
-    seed: Annotated[int, typer.Option(min=0, metavar="NUMBER", help="Of the noise.")] = 0
+    seed: Annotated[
+        int, typer.Option(min=0, metavar="NUMBER", help="Seed of the noise that --snr adds.")
+    ] = 0
 
 
 @single_options
@@ -87,7 +89,10 @@ def train(
     file: Annotated[
         Path,
         typer.Argument(
-            parser=output_file, metavar="FILE", help="JSON file to write.", show_default=False
+            parser=controller_output,
+            metavar="FILE",
+            help="File to write, *.json.",
+            show_default=False,
         ),
     ],
     robot: RobotOptions,
@@ -111,6 +116,7 @@ def train(
         Path | None,
         typer.Option(
             "--record",
+            parser=file_path,
             metavar="FILE",
             help=(
                 "Learn from measured forces in place of M, C and G: a CSV file with the columns t, "

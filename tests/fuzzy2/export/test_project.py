@@ -290,3 +290,16 @@ def test_inputs_are_mostly_within_their_range_some_outside_and_some_no_numbers()
     assert 0.8 <= within < 0.95
     assert 1.0 < np.abs(inputs[finite, 0]).max() <= 3.0
     assert set(inputs[finite, 1]) == {10.0}
+
+
+@needs_c
+def test_ranges_may_be_as_wide_as_numbers_are(tmp_path: Path) -> None:
+    far = 1.7e308
+    terms = [[fuzzy2.Gaussian(m, 1e308) for m in (-far, far)]]
+    system = fuzzy2.Type1System(
+        terms, [[0], [1]], [[-1.0], [2.0]], input_ranges=[(-far, far)], default_outputs=[3.0]
+    )
+    export_project(system, tmp_path)
+    assert "passed: 0 differ" in make(tmp_path, "test")
+    # Others are drawn as ever: the numbers of a range are an eighth of those of one eight times it.
+    assert (drawn(-8.0, 8.0) / 8.0)[:10].tolist() == drawn(-1.0, 1.0)[:10].tolist()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -92,6 +93,7 @@ from fuzzy2.support.compiled import compiled
 
 @compiled
 def outer(x):
+    assert x > 0.0
     return 2.0 * inner(x)
 """
 
@@ -170,7 +172,7 @@ print(found, len(outer.stats.cache_hits), *{{type(one.message).__name__ for one 
 """
 
 
-def computed(folder: Path, before: str = "pass") -> list[str]:
+def computed(folder: Path, before: str = "pass", *options: str) -> list[str]:
     """Return what a new process computes, how often from the disk, and of what it warned."""
     package = folder / "called_kernels"
     if not package.exists():
@@ -178,13 +180,22 @@ def computed(folder: Path, before: str = "pass") -> list[str]:
         (package / "__init__.py").write_text("", encoding="utf-8")
         (package / "outer.py").write_text(CALLING, encoding="utf-8")
         (package / "inner.py").write_text(CALLED.format(added=1.0), encoding="utf-8")
-    command = [sys.executable, "-c", COMPUTED.format(before=before)]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True)
+    command = [sys.executable, *options, "-c", COMPUTED.format(before=before)]
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder / "code")}
+    done = subprocess.run(
+        command, cwd=folder, capture_output=True, text=True, check=True, env=environment
+    )
     return done.stdout.split()
 
 
 # Numba marks what it compiles by the number of times that it found it on the disk.
 FRESH, FROM_DISK = "0", "1"
+
+
+def test_python_without_assertions_finds_the_same_code(tmp_path: Path) -> None:
+    """Of a function with one, whose bytecode is another then."""
+    assert computed(tmp_path) == ["4.0", FRESH]
+    assert computed(tmp_path, "pass", "-OO") == ["4.0", FROM_DISK]
 
 
 def test_damaged_files_of_a_real_function_are_compiled_anew(tmp_path: Path) -> None:
@@ -211,6 +222,6 @@ def test_a_disk_without_room_or_a_lost_folder_costs_time_only(tmp_path: Path) ->
     lost = "import shutil; shutil.rmtree(outer._cache.cache_path); "
     lost += "Path(outer._cache.cache_path).write_text('no folder')"
     assert computed(tmp_path, lost) == ["4.0", FRESH, "CodeNotKept"]
-    (tmp_path / "called_kernels" / "__pycache__").unlink()
+    next(path for path in (tmp_path / "code").iterdir() if path.is_file()).unlink()
     assert computed(tmp_path) == ["4.0", FRESH]
     assert computed(tmp_path) == ["4.0", FROM_DISK]

@@ -185,6 +185,26 @@ def test_ctrl_c_at_any_moment_says_what_is_kept(
     assert asked.run(1) == 4 - end.value.done
 
 
+def test_ctrl_c_ends_a_progress_callback_that_waits(
+    tmp_path: Path, done: list[tuple[str, Trial]]
+) -> None:
+    went_on = []
+
+    def wait(now: int, total: int, rate: float) -> None:
+        if now == 2:
+            os.kill(os.getpid(), signal.SIGINT)
+            went_on.append(now)
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(StudyInterrupted) as end:
+            Benchmark(tmp_path, [MINE], **QUICK).run(1, progress=wait)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert not went_on
+    assert end.value.done == len(OutcomeFile(tmp_path / FILE).outcomes()) == 2
+
+
 def test_an_entry_that_raises_is_reported_and_tried_again(tmp_path: Path) -> None:
     def fails(course: object) -> Any:
         raise ValueError("no such luck")

@@ -53,7 +53,7 @@ def test_trials_that_do_not_come_back_are_outcomes_and_a_lost_cluster_is_none(
     monkeypatch.setattr(workers, "_execute_alone", done)
     kept: dict[str, Outcome] = {}
     with ThreadPoolExecutor(1) as pool, pytest.raises(CancelledError):
-        workers.done_by(pool, lambda: 1, work, kept.__setitem__)
+        workers.done_by(pool, lambda: 1, work, kept.__setitem__, lambda: None)
     assert sorted(kept) == ["0", "1", "2", "3"]
     assert kept["3"] == {"error": "OSError: no way back"}
 
@@ -77,7 +77,7 @@ def test_few_trials_are_under_way_at_a_time(monkeypatch: pytest.MonkeyPatch) -> 
     kept: list[str] = []
     monkeypatch.setattr(workers, "_execute_alone", lambda trial, entry: {"error": None})
     with Counting(3) as pool:
-        workers.done_by(pool, lambda: 3, work, keep)
+        workers.done_by(pool, lambda: 3, work, keep, lambda: None)
     assert sorted(kept) == sorted(work)
     assert most <= 6
 

@@ -21,6 +21,7 @@ from psp3.cli import entry as cli
 from psp3.description.parts import ROBOTS
 from tests.processes import ENVIRONMENT, PROCESSES, program
 from tests.psp3.cli.answers import Run
+from tests.psp3.cli.wrong_calls import WRONG_CALLS, WrongCall
 
 COMMANDS = (
     "reproduce",
@@ -35,6 +36,7 @@ COMMANDS = (
     "view",
     "check",
     "info",
+    "warm-up",
     "export",
 )
 
@@ -98,6 +100,31 @@ def test_no_command_is_wrong_usage_with_the_help(psp3_command: Run) -> None:
     answer = psp3_command()
     assert answer.status == 2
     assert "Commands" in answer.out
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"), [("psp3 po", ["pose"]), ("psp3 simulate --initial", ["--initial-speed"])]
+)
+def test_the_shell_completes_commands_and_options(
+    line: str, expected: list[str], psp3_command: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As bash asks, with what ``psp3 --install-completion`` writes."""
+    words = line.split()
+    for name, value in (
+        ("_PSP3_COMPLETE", "complete_bash"),
+        ("COMP_WORDS", line),
+        ("COMP_CWORD", str(len(words) - 1)),
+    ):
+        monkeypatch.setenv(name, value)
+    answer = psp3_command()
+    assert (answer.status, answer.out.split(), answer.err) == (0, expected, "")
+
+
+@pytest.mark.parametrize("command", ["", *COMMANDS, *GROUPS])
+def test_help_shows_no_type_of_what_takes_no_value(
+    helps: dict[str, tuple[str, list[str]]], command: str
+) -> None:
+    assert "<bool>" not in helps[command][0]
 
 
 def test_version(psp3_command: Run) -> None:
@@ -194,7 +221,7 @@ OF_OTHER_ROBOTS = [
             "--kp does not apply to --controller feed-forward",
         ),
         ("simulate --controller pd --model noc", "--model does not apply to --controller pd"),
-        ("simulate --kp -1", "kp must be finite and not negative, got -1.0"),
+        ("simulate --kp -1", "--kp must be finite and not negative, got -1.0"),
         ("simulate --radius 0.03", "tip [0.03"),
         ("simulate --radius -0.01", "radius must be"),
         ("simulate --start-height 0.5", "outside the stroke"),
@@ -229,7 +256,7 @@ OF_OTHER_ROBOTS = [
         ("simulate psp3 more.yaml", "LOOPS does not apply to the 3-PSP"),
         ("simulate psp3 more.yaml more", "(more)"),
         *OF_OTHER_ROBOTS,
-        ("torques --sampling-period 0", "sampling period must be finite and positive, got 0.0"),
+        ("torques --sampling-period 0", "--sampling-period must be finite and positive, got 0.0"),
         ("torques --duration inf", "duration must be finite and positive, got inf"),
         ("torques --trajectory hold --tip 0,0,nan", "nan"),
         (
@@ -241,10 +268,9 @@ OF_OTHER_ROBOTS = [
         ("view --result none.npz --record page.html", "none.npz"),
         ("view --heights 0,0,0 --result run.npz", "give --positions or --result, not both"),
         ("view --port 0", "'--port'"),
-        (
-            "view --radius 0.01",
-            "--radius does not apply to a view without --trajectory, --controller or --trained",
-        ),
+        ("view --rise 0.01", "--rise does not apply to --trajectory circle"),
+        ("view --heights 0,0,0 --radius 0.01", "--radius does not apply to --positions"),
+        ("view --result run.npz --radius 0.01", "--radius does not apply to --result"),
         ("view --heights 0,0,0 --controller pd", "--positions is for a robot at rest"),
         (
             "view --result run.npz --trajectory helix",
@@ -267,6 +293,27 @@ def test_wrong_input_is_one_line_and_status_2(
     assert answer.err.startswith("psp3")
     # Only what was there before is there now: nothing is half written.
     assert [path.name for path in Path.cwd().iterdir()] == ["here.csv"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("call", WRONG_CALLS, ids=lambda call: call.arguments)
+def test_a_wrong_call_is_answered_by_the_value_and_a_remedy(
+    psp3_command: Run, call: WrongCall
+) -> None:
+    Path("here.csv").write_text("t,x,y,z\n0,0,0,0.07\n")
+    answer = psp3_command(*call.arguments.split())
+    assert answer.status == 2
+    # A group without a command shows its help, too.
+    assert answer.out == "" or call.arguments == "export"
+    assert answer.err.startswith("psp3")
+    assert answer.err.count("\n") == 1
+    assert call.value in answer.err
+    assert call.remedy in answer.err
+    assert [path.name for path in Path.cwd().iterdir()] == ["here.csv"]
+
+
+def test_sixty_wrong_calls_are_tried() -> None:
+    assert len({call.arguments for call in WRONG_CALLS}) >= 60
 
 
 def test_output_that_fails_while_it_is_written_is_one_line_and_status_2(
@@ -374,8 +421,7 @@ def test_every_robot_answers_every_command(psp3_command: Run, name: str) -> None
             ("simulate", name, *short, "--out", "r.npz", "--figure", "r.png", "--csv", "r.csv"),
             "",
         ),
-        (("view", name, "--record", "pose.html"), ""),
-        (("view", name, "--trajectory", "sway", *short, "--record", "sway.html"), ""),
+        (("view", name, *short, "--record", "moving.html"), ""),
         (("view", name, "--controller", "ctc", *short, "--record", "ctc.html"), ""),
         (("view", name, "--result", "r.npz", "--record", "result.html"), ""),
         (("workspace", name, "--resolution", "2"), follows and "free='lock'"),

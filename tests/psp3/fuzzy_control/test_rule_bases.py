@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from typing import Any
 
@@ -15,7 +16,7 @@ from psp3.errors import InvalidValue
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.numbers import pack, unpack
 from psp3.fuzzy_control.records import Record, record
-from psp3.fuzzy_control.rule_bases import RuleOptions, partition_by_clusters
+from psp3.fuzzy_control.rule_bases import RuleOptions, learned_system, partition_by_clusters
 from psp3.simulation.runge_kutta import RungeKutta
 from psp3.trajectories.fourier_series import FourierSeries
 from psp3.trajectories.motion import Motion
@@ -212,3 +213,14 @@ def test_no_more_rules_than_different_samples_and_no_memory_for_them(number: int
         partition_by_clusters(options._replace(rules=None), samples, number)
     with pytest.raises(InvalidValue, match="needs a grid: give n_terms"):
         partition_by_clusters(options._replace(learner="strict"), samples, 2)
+
+
+@pytest.mark.parametrize(
+    ("learner", "most"), [("strongest", 32), ("least-squares", 9), ("ridge", 9), ("strict", 32)]
+)
+def test_a_grid_that_is_too_large_is_refused_with_the_largest(learner: str, most: int) -> None:
+    """Of four inputs: 2^20 rules are 32 terms, and 2^13 rules some nine."""
+    options = RuleOptions(*("t1", most + 1, None, 0.0, learner, "alpha_planes", 5, 1.0, math.inf))
+    samples = np.random.default_rng(0).uniform(size=(20, 4))
+    with pytest.raises(InvalidValue, match=f"n_terms must be at most {most}: .*, got {most + 1}"):
+        learned_system(options, samples, ("a", "b", "c", "d"), samples)

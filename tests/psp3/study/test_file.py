@@ -215,6 +215,29 @@ def test_file_can_be_read_while_results_are_added(path: Path) -> None:
 # Groups of commits
 
 
+def test_what_is_read_is_of_one_moment(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A row that came between settings and rows would have a setting that is not there."""
+    settings = StudyFile._settings
+    locked = []
+
+    def and_somebody_writes(file: StudyFile, connection: sqlite3.Connection) -> Any:
+        found = settings(file, connection)
+        other = sqlite3.connect(path, timeout=0.0)
+        try:
+            other.execute("DELETE FROM runs")
+            other.commit()
+        except sqlite3.OperationalError as error:
+            locked.append(str(error))
+        other.close()
+        return found
+
+    fill(path)
+    before = StudyFile(path).rows()
+    monkeypatch.setattr(StudyFile, "_settings", and_somebody_writes)
+    assert len(StudyFile(path).rows()) == len(before)
+    assert locked == ["database is locked"]
+
+
 def test_results_are_committed_within_half_a_second(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

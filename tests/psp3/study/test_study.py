@@ -148,7 +148,7 @@ def test_nonsense_is_refused_before_there_is_a_file(
 
 @pytest.mark.parametrize("workers", [0, -1, 1.5, True])
 def test_number_of_workers_is_a_positive_integer(path: Path, workers: Any) -> None:
-    with pytest.raises(InvalidValue, match="workers must be a positive integer"):
+    with pytest.raises(InvalidValue, match="workers must be a whole number of at least 1"):
         Study(path, grid()).run(workers)
     assert not path.exists()
 
@@ -521,6 +521,23 @@ def test_ctrl_c_when_all_is_done_is_not_lost(
     whole.run()
     with pytest.raises(StudyInterrupted, match="after 3 of 3 runs"):
         whole.run(progress=lambda *_: ctrl_c())
+
+
+def test_ctrl_c_ends_a_progress_callback_that_waits(
+    path: Path, no_simulation: None, ctrl_c: Callable[[], None]
+) -> None:
+    """For a pipe that is full, or a person: between any two instructions of it."""
+    went_on = []
+
+    def wait(done: int, total: int, rate: float) -> None:
+        if done:
+            ctrl_c()
+            went_on.append(done)
+
+    with pytest.raises(StudyInterrupted) as end:
+        Study(path, grid(snr_db=20.0, seed=range(9))).run(progress=wait)
+    assert not went_on
+    assert 1 <= end.value.done == count_rows(path)
 
 
 def test_runs_under_way_when_interrupted_are_kept(

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from psp3.errors import UnknownName
+from psp3.errors import InvalidValue, UnknownName
 from psp3.study.run import METRICS, Run, contents
 from psp3.study.table import Table
 
@@ -68,7 +68,10 @@ def test_selection_is_that_of_the_rows() -> None:
     assert list(table.select(mean_variation=None)) == [
         row for row in ROWS if row["mean_variation"] is None
     ]
-    assert list(table.select(seed="two")) == []
+    assert list(table.select(seed=np.int64(2))) == list(table.select(seed=2)) != []
+    assert list(table.select(seed=10**6)) == []
+    with pytest.raises(InvalidValue, match="seed must be an integer, got 'two'"):
+        table.select(seed="two")
     with pytest.raises(UnknownName, match="unknown field of a run 'rms_error'"):
         table.select(rms_error=1.0)
 

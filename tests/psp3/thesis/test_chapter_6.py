@@ -40,7 +40,7 @@ def test_a_printed_number_that_changes_changes_the_verdict(monkeypatch: pytest.M
         return [row[-1] for row in outcome.tables[0].rows]
 
     before = verdicts()
-    assert before[0] == "matched by a fit (+0.7 %)"
+    assert before[0] == f"matched by a fit (+0.7 %): {chapter_6.REASONS['PD']}"
     computed = results.mean(Run("t1", snr_db=20.0), PLAN.seeds).value
     changed = dict(published.TABLE_6_3_FUZZY) | {20.0: (computed * 1.01, computed * 100.0)}
     monkeypatch.setattr(published, "TABLE_6_3_FUZZY", MappingProxyType(changed))
@@ -55,7 +55,7 @@ def test_a_printed_number_that_changes_changes_the_verdict(monkeypatch: pytest.M
     ] == [0, first, first + 1]
 
 
-def test_paths_on_which_pd_with_gravity_leaves_less_or_more_are_named() -> None:
+def test_paths_on_which_pd_with_gravity_has_less_or_more_error_are_named() -> None:
     """On the line a fuzzy run diverged, and on the others both leave the same: nothing is said."""
     made_up = rows(it2=0.5)
     for row in made_up:
@@ -69,8 +69,9 @@ def test_paths_on_which_pd_with_gravity_leaves_less_or_more_are_named() -> None:
     chapter_6.answer_of_table_6_3(ROBOT, Outcomes(made_up), PLAN, outcome)
     gravity, classical = outcome.answer
     assert gravity.endswith(
-        "less on this helix than every fuzzy controller with default rules, even without noise, "
-        "and so on circle and waypoints; on fast-helix it leaves more than those without noise."
+        "On this helix that is less than the error of every fuzzy controller with default rules, "
+        "even without noise, and so it is on circle and waypoints; on fast-helix it is more than "
+        "theirs without noise."
     )
     assert "we chose the length of the run to fit it" in classical
 
@@ -140,11 +141,13 @@ def timed(**medians: float) -> Reproduction:
 def test_latencies_beside_the_printed_times_and_the_budget() -> None:
     table = timed().tables[0]
     words = {row[0]: row[-1] for row in table.rows}
-    assert words["PD"] == "reproduced; within 2 ms"
-    assert words["CTC, closed form"] == "not reproduced: 25,500 times faster; within 2 ms"
+    assert words["PD"] == "reproduced: less than the printed bound; within 2 ms"
+    assert words["CTC, closed form"] == (
+        "not reproduced: 25,500 times faster, on a newer computer; within 2 ms"
+    )
     assert words["CTC, natural orthogonal complement"].endswith("not within 2 ms")
     assert words["CTC, Pinocchio"].endswith("median within 2 ms, not every step")
-    assert words["type-2"] == "not reproduced: 250 times faster; within 2 ms"
+    assert words["type-2"] == ("not reproduced: 250 times faster, on a newer computer; within 2 ms")
     (row,) = (row for row in table.rows if row[0] == "type-2")
     assert row[1:-1] == ["1.5", "0.0060", "0.0120", "0.0180", "0.0240"]
     assert (

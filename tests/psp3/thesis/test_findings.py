@@ -24,20 +24,24 @@ from psp3.thesis.findings import better, compared, significant, verdict, with_in
     ],
 )
 def test_verdicts_by_ratio(computed: float, printed: float, words: str) -> None:
-    assert verdict(computed, printed).startswith(words)
+    said = verdict(computed, printed, reason="as the sea is deep")
+    assert said.startswith(words)
+    assert said.count(":") == 1
 
 
 def test_a_fit_reproduces_nothing_and_can_miss() -> None:
-    assert verdict(4.6648, 4.6339, fitted=True) == "matched by a fit (+0.7 %)"
-    assert verdict(1.06, 1.0, fitted=True) == verdict(1.06, 1.0)
+    matched = verdict(4.6648, 4.6339, reason="fitted", fitted=True)
+    assert matched == "matched by a fit (+0.7 %): fitted"
+    assert verdict(1.06, 1.0, reason="", fitted=True) == verdict(1.06, 1.0, reason="")
 
 
 def test_verdict_says_whether_single_runs_spread_over_the_printed_number() -> None:
-    assert verdict(2.0, 1.0, (0.9, 4.0)).endswith("printed within the spread of single runs")
-    assert verdict(2.0, 1.0, (1.1, 4.0)).endswith("printed outside of the spread of single runs")
+    within, outside = (verdict(2.0, 1.0, (low, 4.0), reason="") for low in (0.9, 1.1))
+    assert within.endswith("printed within the spread of single runs")
+    assert outside.endswith("printed outside of the spread of single runs")
     # A spread that holds everything makes nothing agree.
-    assert verdict(10.0, 1.0, (0.0, 100.0)).startswith("not reproduced")
-    assert "spread" not in verdict(2.0, 1.0, (math.nan, math.nan))
+    assert verdict(10.0, 1.0, (0.0, 100.0), reason="").startswith("not reproduced")
+    assert "spread" not in verdict(2.0, 1.0, (math.nan, math.nan), reason="")
 
 
 @pytest.mark.parametrize(
@@ -78,7 +82,10 @@ def test_interval_and_seeds_are_shown_where_they_say_something() -> None:
 
 
 def test_matrices_are_compared_row_by_row() -> None:
-    rows = compared("row {}", np.eye(2), np.array([[1.0, 0.0], [0.3, 1.0]]), bar=0.1)
+    rows = compared("row {}", np.eye(2), np.array([[1.0, 0.0], [0.3, 1.0]]), 0.1, "fitted")
     assert [row[0] for row in rows] == ["row 1", "row 2"]
-    assert [row[-1] for row in rows] == ["matched by a fit, to 0.0000", "not matched, to 0.3000"]
-    assert compared("", np.eye(2), np.eye(2), bar=None)[0][-1] == "not reproducible"
+    assert [row[-1] for row in rows] == [
+        "matched by a fit, to 0.0000: fitted",
+        "not matched, to 0.3000: fitted",
+    ]
+    assert compared("", np.eye(2), np.eye(2), None, "so")[0][-1] == "not reproducible: so"

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
+import re
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +17,7 @@ from psp3.errors import InvalidArray, InvalidValue, UnreachablePose
 from psp3.visualize import Scene, write_animation
 from tests.page_helpers import (
     HEIGHT,
+    SIZES,
     WIDTH,
     changed_pixels,
     complaints,
@@ -24,6 +28,7 @@ from tests.page_helpers import (
     screenshot,
     settle,
     star_center,
+    sticking_out,
     wait_for,
 )
 
@@ -328,13 +333,14 @@ def test_two_robots_stand_side_by_side_under_their_names(
     open_scene(browser, Scene(ROBOT).animate(dict(zip(names, (sagging, exact), strict=True))))
     browser.execute_script("seek(1.2); viewer.render()")
     labels = browser.execute_script(
-        "return labels.map(({element}) => [element.textContent, "
+        "return labels.map(({element}) => [element.firstChild.textContent, "
         "element.getBoundingClientRect().left, element.getBoundingClientRect().top])"
     )
     assert [label[0] for label in labels] == names
     left, right = np.array([label[1:] for label in labels])
     assert 0 < left[0] < right[0] < WIDTH - 30
-    assert 0 < left[1] < 60
+    # Above the robots, and below the legend, which reaches over half of so small a page.
+    assert 0 < left[1] < HEIGHT / 3
     columns = np.nonzero(changed_pixels(browser, "robots/0/visuals", "robots/1/visuals"))[1]
     assert 3 < columns.min() < columns.max() < WIDTH - 4
     # PD has sunk, CTC has not, and PD is the robot on the left.
@@ -344,7 +350,47 @@ def test_two_robots_stand_side_by_side_under_their_names(
     assert pd_rows.mean() > ctc_rows.mean() + 5
     assert pd_columns.max() < ctc_columns.min()
     screenshot(browser, "pd_beside_ctc")
+    # Below each name its error. 1.2 s is a frame; what is shown is rounded.
+    shown = browser.execute_script("return labels.map(({readout}) => readout.textContent)")
+    for text, result in zip(shown, (sagging, exact), strict=True):
+        error = 1e3 * np.linalg.norm(result.tip[600] - result.desired.tip[600])
+        said = re.fullmatch(r"tip error (\d+\.\d+) mm", text)
+        assert said, text
+        assert float(said[1]) == pytest.approx(
+            error, abs=0.51 * 10.0 ** -len(said[1].partition(".")[2])
+        )
+    browser.execute_script("seek(0); viewer.render()")
+    assert browser.execute_script("return labels[0].readout.textContent") != shown[0]
     assert complaints(browser) == []
+
+
+def test_a_robot_without_a_tip_shows_the_error_of_its_joints(sagging: psp3.Result) -> None:
+    """Its tip is NaN, which no page could draw."""
+    nowhere = np.full_like(sagging.tip, np.nan)
+    without = dataclasses.replace(
+        sagging, tip=nowhere, desired=sagging.desired._replace(tip=nowhere)
+    )
+    drawn = Scene(ROBOT).animate(without)._commands.as_json()
+    assert "largest error of a joint" in drawn
+    assert "robots/0/visuals" in drawn
+    assert "robots/0/target" not in drawn
+
+
+@pytest.mark.parametrize("size", SIZES, ids=str)
+def test_words_and_buttons_are_whole_and_apart_at_any_width(
+    browser: webdriver.Chrome, sagging: psp3.Result, exact: psp3.Result, size: tuple[int, int]
+) -> None:
+    """Of two robots that move, where there is most to read."""
+    open_scene(browser, Scene(ROBOT).animate({"type-1, 20 dB": sagging, "type-2": exact}), *size)
+    assert not sticking_out(browser)
+    boxes = browser.execute_script(
+        "return [...document.querySelectorAll('.label, #legend, #playback, #distance')].map("
+        "(one) => { const box = one.getBoundingClientRect();"
+        "return [box.left, box.top, box.right, box.bottom]; })"
+    )
+    assert len(boxes) == 5
+    for one, other in combinations(boxes, 2):
+        assert one[2] <= other[0] or other[2] <= one[0] or one[3] <= other[1] or other[3] <= one[1]
 
 
 def test_results_without_a_sample_are_refused(sagging: psp3.Result) -> None:

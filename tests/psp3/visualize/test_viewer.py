@@ -88,7 +88,9 @@ def test_ports_end_at_65535() -> None:
     ):
         assert 0 < port_of(viewer) < 65535
     for port in (-1, 65536):
-        with pytest.raises(InvalidValue, match=f"port must be from 0 to 65535, got {port}"):
+        with pytest.raises(
+            InvalidValue, match=f"port must be a whole number from 0 to 65535, got {port}"
+        ):
             Viewer(ROBOT, port)
 
 

@@ -173,7 +173,7 @@ def test_csv_holds_every_run(study: Run) -> None:
         ("--trajectory spiral", "unknown trajectory 'spiral'"),
         ("--learner rote", "unknown learner 'rote'"),
         ("--terms 0", "--terms must be"),
-        ("--mean-variation -1", "mean_variation must be"),
+        ("--mean-variation -1", "--mean-variation must be"),
         ("--payload -2", "payload must be finite and not negative"),
         ("--duration 0", "duration must be finite and positive"),
         ("--workers 0", "--workers"),

@@ -1,0 +1,61 @@
+"""What commands compile: nothing where that would take longer than the rest, else it is told."""
+
+from __future__ import annotations
+
+import functools
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from fuzzy2.support.announcements import Compilation
+from psp3.cli.output import say
+
+REDRAWN = 0.5
+"""Time after which the share that is done is written anew [s]."""
+
+MOST = 0.99
+"""Largest share that is shown: how long it takes is a guess."""
+
+
+def one_off(command: Callable[..., None]) -> Callable[..., None]:
+    """Return a command that asks its robot a few questions, for which nothing is compiled."""
+
+    @functools.wraps(command)
+    def run(*arguments: object, **options: object) -> None:
+        from fuzzy2.support.interpreted import few_calls
+
+        with few_calls():
+            command(*arguments, **options)
+
+    return run
+
+
+@contextmanager
+def compilation_shown(coming: Compilation) -> Iterator[None]:
+    """Say on standard error what is compiled, and on a terminal how much of it may be done."""
+    say(coming, err=True)
+    if not sys.stderr.isatty():
+        yield
+        return
+    done = threading.Event()
+    line = threading.Thread(target=_show_share, args=(coming.seconds, done), daemon=True)
+    line.start()
+    try:
+        yield
+    finally:
+        done.set()
+        line.join()
+
+
+def _show_share(seconds: float, done: threading.Event) -> None:
+    """Write how much of the time has gone by, over and over in one line, which is gone at last."""
+    begun, text = time.monotonic(), ""
+    while not done.wait(REDRAWN):
+        share = min((time.monotonic() - begun) / seconds, MOST)
+        text = f"{share:.0%}"
+        sys.stderr.write(f"\r{text}")
+        sys.stderr.flush()
+    sys.stderr.write("\r" + " " * len(text) + "\r")
+    sys.stderr.flush()

@@ -1,0 +1,41 @@
+"""Answers for a robot that is being made: few, unless its loops have to be looked for."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fuzzy2.support.compiled import only_for
+from fuzzy2.support.interpreted import is_ready, twin_of
+from psp3.checks import Array, Indices
+from psp3.multibody.motion import CONFIGURATION, answer
+from psp3.multibody.tree import SIZE
+
+
+def first_answer(*arguments: Any) -> int:
+    """Answer as :func:`psp3.multibody.motion.answer` does, without compiling it for that.
+
+    A robot that closes at its home asks some hundred questions while it is made. In Python they
+    take about as long as compiled code takes to come from the disk.
+    """
+    kernel: Any = answer if is_ready(answer) else twin_of(answer)
+    answered: int = kernel(*arguments)
+    return answered
+
+
+def compile_answers(tree: Indices, numbers: Array) -> None:
+    """Compile the answers for arrays that can be written to, and never for anything else.
+
+    Parameters
+    ----------
+    tree, numbers : ndarray
+        Those of any robot.
+    """
+    none, memory = np.empty(0), np.empty(int(tree[SIZE]))
+    only_for(
+        answer,
+        *(CONFIGURATION, 0, 0, 0),
+        *(tree, numbers.copy(), np.zeros(3), memory, np.empty_like(memory)),
+        *(none, none, none, none),
+    )
