@@ -33,7 +33,7 @@ PROCESSES = multiprocessing.get_context("forkserver")
 PROCESSES.set_forkserver_preload(["tests.prepared"])
 
 PATIENCE = 900.0
-"""How long a process of the tests lives, and is waited for [s]: so busy is no machine."""
+"""How long a process of the tests lives, and is waited for [s]: less than a test may take."""
 
 ROOT = Path(__file__).resolve().parents[1]
 ENVIRONMENT = {

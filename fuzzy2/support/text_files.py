@@ -132,7 +132,9 @@ def _status(name: str) -> os.stat_result | None:
     # Root may write to all files, and a directory lets replace any; one that is marked read-only
     # is nonetheless meant to stay as it is.
     if not (status.st_mode & 0o222 and os.access(name, os.W_OK)):
-        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), name)
+        is_mounted_so = os.statvfs(name).f_flag & os.ST_RDONLY
+        code = errno.EROFS if is_mounted_so else errno.EACCES
+        raise OSError(code, os.strerror(code), name)
     return status
 
 

@@ -28,7 +28,7 @@ MEMORY = 1 << 30
 KILLED = 20.0
 """Processor time after which a mutant is not waited for any longer [s]."""
 
-SILENT = 1800.0
+SILENT = 900.0
 """Time after which neither is one that computes nothing, but waits for something [s]."""
 
 
