@@ -21,6 +21,7 @@ import pytest
 import typer
 
 from psp3.cli import entry as cli
+from psp3.cli.app import app
 from tests.misuse import PARTS, sample
 
 WRONG = {
@@ -229,7 +230,7 @@ class Option(NamedTuple):
 
 def options() -> Iterator[Option]:
     """Yield every option and argument that takes a value."""
-    root: Any = typer.main.get_command(cli.app)
+    root: Any = typer.main.get_command(app)
     for name, command in root.commands.items():
         singles = getattr(command, "commands", None)
         found = {f"{name} {one}": it for one, it in singles.items()} if singles else {name: command}
@@ -350,11 +351,11 @@ def test_what_is_wrong_is_seen(folder: Path, monkeypatch: pytest.MonkeyPatch) ->
     option = Option("pose", "height", "pose --height {}")
 
     def with_app(error: Exception | None) -> str:
-        def app(**_: object) -> None:
+        def broken(**_: object) -> None:
             if error is not None:
                 raise error
 
-        monkeypatch.setattr(cli, "app", app)
+        monkeypatch.setattr(cli, "app", broken)
         return fault(option, "letters", "abc")
 
     assert with_app(None).startswith("taken")
