@@ -1,15 +1,17 @@
 # Set-up and jobs of psp3. On a machine with Python 3.11 or newer, make and pip:
 #
+#   make view        install, and show a machine that moves in the browser
 #   make reproduce   install, and run the main job
 #   make test        install what the tests need, and run them
 #   make test-quick  run those that take no time: for working
 #   make fuzz        try 50 000 changed files on all readers: a quarter of an hour of a core
 #   make endings     end studies, benchmarks and saves at 400 moments by chance: ten minutes
 #   make memory      look for leaks in ten million calls and a thousand loads: hours
-#   make export-states  compare robots in C with Python in 10,000 states each
+#   make export-states  compare robots and controllers in C with Python in 10,000 states each
 #   make misuse      call everything public with every wrong argument
 #   make lint        check style and types
 #   make bench       measure speed
+#   make release-check  build wheel and source distribution, and try them on every Python there is
 #   make docs        build the documentation: results/docs/index.html
 #   make pictures    draw the pictures of the README and the documentation anew
 #   make lock        choose the versions of everything anew: requirements/
@@ -40,10 +42,14 @@ KERNELS := $(shell grep -rl --include='*.py' 'support\.compiled' psp3 fuzzy2) $(
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .SUFFIXES:
-.PHONY: help reproduce test test-quick fuzz endings memory export-states misuse lint bench docs pictures lock clean
+.PHONY: help view reproduce test test-quick fuzz endings memory export-states misuse lint bench release-check docs pictures lock clean
 
 help:
 	@sed -n 's/^#   make/  make/p' Makefile
+
+# What is shown is compiled when it is first needed; all kernels together would take minutes.
+view: $(VENV)/.run
+	@$(BIN)/psp3 view
 
 reproduce: $(VENV)/.compiled
 	@echo "Running the main job: psp3 reproduce"
@@ -71,11 +77,11 @@ memory: $(VENV)/.compiled $(VENV)/.dev
 	@echo "Calling ten million times, and loading a thousand times (hours)"
 	@$(BIN)/python -m tests.endurance.memory
 
-# The tests that 'make test' runs with a thousand states.
+# The tests that 'make test' runs with 500 states, and with the sanitizers in double precision alone.
 export-states: $(VENV)/.compiled $(VENV)/.dev
-	@echo "Comparing robots in C with Python in 10,000 states (ten minutes)"
+	@echo "Comparing robots and controllers in C with Python in 10,000 states (half an hour)"
 	@EXPORT_STATES=10000 $(BIN)/python -m pytest --numprocesses=logical --dist=load \
-		-k test_every_number_is_the_same tests/psp3/export/test_robots.py tests/psp3/export/test_closed_form.py
+		-k "test_every or sanitizers" $(addprefix tests/psp3/export/test_,robots.py closed_form.py controllers.py)
 
 # The tests that 'make test' runs with one of eight wrong arguments.
 misuse: $(VENV)/.compiled $(VENV)/.dev
@@ -93,6 +99,11 @@ bench: $(VENV)/.compiled $(VENV)/.dev
 	@echo "Measuring speed"
 	@set -e; for benchmark in benchmarks/bench_*.py; do $(BIN)/python "$$benchmark"; done
 
+# UNRELEASED=1 while the changelog has no section for the version yet.
+release-check: $(VENV)/.dev
+	@echo "Building wheel and source distribution, and trying them"
+	@$(BIN)/python -m tests.release $(if $(UNRELEASED),--unreleased)
+
 docs: $(VENV)/.dev
 	@echo "Building the documentation"
 	@$(BIN)/sphinx-build -W --keep-going --quiet -b html -d build/doctrees docs results/docs
@@ -100,7 +111,7 @@ docs: $(VENV)/.dev
 
 pictures: $(VENV)/.compiled $(VENV)/.dev
 	@echo "Drawing the pictures"
-	@set -e; for script in docs/pictures/make_*.py; do $(BIN)/python "$$script"; done
+	@set -e; for script in docs/pictures/make_*.py docs/play/make_*.py; do $(BIN)/python "$$script"; done
 
 # The tests' versions are those of what psp3 runs on, where both have a package.
 lock: $(VENV)/.dev

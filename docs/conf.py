@@ -36,7 +36,7 @@ copyright = author
 version = release = __version__
 
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
-exclude_patterns = ["_build", "pictures", "**/.ipynb_checkpoints"]
+exclude_patterns = ["_build", "pictures", "play", "**/.ipynb_checkpoints"]
 
 # Notebooks are committed with their outputs and executed by the tests. Widgets need a kernel;
 # without one their pictures remain.
@@ -59,6 +59,7 @@ html_theme = "furo"
 html_title = project
 html_static_path = ["_static"]
 html_css_files = ["narrow.css"]
+html_extra_path = [str(HERE / "play" / "play.html")]
 html_math_renderer = "formula"
 html_show_copyright = False
 html_copy_source = False
@@ -146,6 +147,21 @@ class WordsOfSearch(SphinxTransform):
             target = nodes.target("", "", ids=["searched"])
             entries = [("single", word, "searched", "", None) for word in words]
             self.document.insert(0, [index(entries=entries, inline=False), target])
+
+
+MOTIONS = {"controllers": "3-PSP under two controllers", "delta": "Delta"}
+"""Recorded motions, see ``docs/play/make_play.py``, and the titles of their pages."""
+
+
+def write_motions(app: Sphinx, error: Exception | None) -> None:
+    """Write a page of each recorded motion, with MeshCat in it, beside the pages of the text."""
+    from psp3.visualize.scene import page
+
+    if error is not None or app.builder.format != "html":
+        return
+    for name, title in MOTIONS.items():
+        commands = (HERE / "play" / f"{name}.json").read_text(encoding="utf-8")
+        (Path(app.outdir) / f"motion_{name}.html").write_text(page(commands, title), "utf-8")
 
 
 class LinkNames(SphinxPostTransform):
@@ -255,6 +271,7 @@ def setup(app: Sphinx) -> dict[str, bool]:
     """Register what is defined here."""
     app.connect("builder-inited", write_reference)
     app.connect("builder-inited", copy_notebooks)
+    app.connect("build-finished", write_motions)
     app.connect("html-page-context", add_katex)
     app.add_transform(WordsOfSearch)
     app.add_post_transform(LinkNames)

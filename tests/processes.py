@@ -84,6 +84,12 @@ def answer_of(process: BaseProcess, answers: Connection) -> Any:
     pytest.fail(f"the process ended before it came to that; exit code {process.exitcode}")
 
 
+def computed(process: int) -> float:
+    """Return the seconds that a process has computed, of which others on the machine take none."""
+    fields = Path(f"/proc/{process}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
 class Program:
     """``psp3`` with some arguments in a process of its own."""
 

@@ -17,7 +17,7 @@ REQUIRED = os.environ.get("REQUIRED_CLIENTS", "").split()
 
 STRICT = "-O2 -Werror"
 SANITIZED = (
-    "-g -O1 -Werror -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all"
+    "-g -O0 -Werror -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all"
 )
 
 

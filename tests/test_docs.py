@@ -18,11 +18,15 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = sorted(page for page in (ROOT / "docs").rglob("*.md") if "_build" not in page.parts)
-PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", ROOT / "urdf" / "README.md", *DOCS]
+PAGES = [
+    *(ROOT / name for name in ("README.md", "DESCRIPTION.md", "CHANGELOG.md")),
+    *(ROOT / folder / "README.md" for folder in ("urdf", "examples")),
+    *DOCS,
+]
 # The recipe for plain Pinocchio in urdf/README.md is run by test_urdf_visuals.py, beside its files.
 WITH_CODE = [
     page
-    for page in (ROOT / "README.md", *DOCS)
+    for page in (ROOT / "README.md", ROOT / "DESCRIPTION.md", *DOCS)
     if "```python\n" in page.read_text(encoding="utf-8")
 ]
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import functools
 import math
 import re
+import tempfile
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -62,17 +63,23 @@ CONTROLLERS = _controllers()
 
 
 @functools.cache
-def code_of(kind: str, name: str, folder: Path) -> CCode:
-    """Return the code of a thing."""
-    with warnings.catch_warnings():
+def code_of(kind: str, name: str) -> CCode:
+    """Return the code of a thing, written once for all tests."""
+    with warnings.catch_warnings(), tempfile.TemporaryDirectory() as folder:
         warnings.simplefilter("ignore", ApproximationWarning)
         if kind == "system":
             return c_code_of((SYSTEMS | SLOW)[name]())
         if kind == "controller":
             return CONTROLLERS[name]()
-        robot = psp3.load(name) if name in ROBOTS else MAKERS[name](folder)
+        robot = psp3.load(name) if name in ROBOTS else MAKERS[name](Path(folder))
         frames = None if name == "psp3" else some_frames(robot)
         return c_code(robot, name="tried", frames=frames)
+
+
+@functools.cache
+def read(kind: str, name: str) -> Code:
+    """Return what is read in the code of a thing."""
+    return Code(code_of(kind, name).source)
 
 
 THINGS = [
@@ -84,8 +91,8 @@ THINGS = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("kind", "name"), THINGS)
-def test_every_loop_has_a_bound(kind: str, name: str, tmp_path: Path) -> None:
-    code = Code(code_of(kind, name, tmp_path).source)
+def test_every_loop_has_a_bound(kind: str, name: str) -> None:
+    code = read(kind, name)
     loops = list(code.loops())
     for loop in loops:
         base = re.sub(r"^[^_]*_|_\d+$", "", loop.function)
@@ -97,16 +104,15 @@ def test_every_loop_has_a_bound(kind: str, name: str, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("kind", "name"), THINGS)
-def test_functions_call_only_those_before_them(kind: str, name: str, tmp_path: Path) -> None:
+def test_functions_call_only_those_before_them(kind: str, name: str) -> None:
     """So the graph of calls has no cycle."""
-    calls, before = Code(code_of(kind, name, tmp_path).source).calls(), set()
+    calls, before = read(kind, name).calls(), set()
     for function, called in calls.items():
         assert called <= before
         before.add(function)
     assert sum(map(len, calls.values())) > 0
 
 
-@pytest.mark.slow
 def _steps(code: Code) -> dict[str, int]:
     """Return the most steps of Newton's method that a call of each function takes.
 
@@ -136,12 +142,10 @@ NEWTON = ("delta", "gough_stewart", "gripper", "biped", "planar_4rrr", "standing
         *(("controller", name) for name in CONTROLLERS if name.endswith(" of delta")),
     ],
 )
-def test_headers_state_the_most_steps_of_newtons_method(
-    kind: str, name: str, tmp_path: Path
-) -> None:
-    code = code_of(kind, name, tmp_path)
+def test_headers_state_the_most_steps_of_newtons_method(kind: str, name: str) -> None:
+    code = code_of(kind, name)
     stated = re.search(r"no call takes more than (\d+) of them", code.header)
-    most, steps = 0 if stated is None else int(stated[1]), _steps(Code(code.source))
+    most, steps = 0 if stated is None else int(stated[1]), _steps(read(kind, name))
     found = {short_name(code, one): steps[one.name] for one in code.functions}
     # It closes the loops of the same pose once more, where nothing has to move.
     assert found.pop("actuator_forces", 2 * most) == 2 * most
@@ -150,18 +154,18 @@ def test_headers_state_the_most_steps_of_newtons_method(
 
 
 @pytest.mark.slow
-def test_the_header_of_the_closed_form_states_the_most_steps(tmp_path: Path) -> None:
-    code = code_of("robot", "psp3", tmp_path)
+def test_the_header_of_the_closed_form_states_the_most_steps() -> None:
+    code = code_of("robot", "psp3")
     stated = re.search(r"no call takes\s+more than (\d+) steps", code.header.replace("\n *", "\n"))
     assert stated is not None
-    assert int(stated[1]) == max(_steps(Code(code.source)).values())
+    assert int(stated[1]) == max(_steps(read("robot", "psp3")).values())
 
 
-def test_reasons_are_of_loops_whose_ends_are_not_derived(tmp_path: Path) -> None:
+def test_reasons_are_of_loops_whose_ends_are_not_derived() -> None:
     found = {
         re.sub(r"^[^_]*_|_\d+$", "", loop.function)
         for name in SYSTEMS | SLOW
-        for loop in Code(code_of("system", name, tmp_path).source).loops()
+        for loop in read("system", name).loops()
         if not loop.is_bounded
     }
     assert found == REASONS.keys()

@@ -173,7 +173,7 @@ class _Place:
 
 
 class _Code(CompileResultCacheImpl):
-    _locator_classes = (_Place,)
+    _locator_classes: list[type[object]] = [_Place]  # noqa: RUF012 (of numba, as it declares it)
 
 
 class CodeCache(FunctionCache):

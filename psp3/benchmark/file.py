@@ -38,7 +38,8 @@ PATIENCE = 30.0
 def key(entry: Entry, trial: Trial) -> str:
     """Return the text that identifies a trial of an entry."""
     fields = {name: "inf" if value == math.inf else value for name, value in asdict(trial).items()}
-    return json.dumps([stamp(), entry.name, entry.mark, fields], ensure_ascii=False)
+    # In ASCII: a file's name, and so an entry's, may hold bytes that are no characters.
+    return json.dumps([stamp(), entry.name, entry.mark, fields])
 
 
 class OutcomeFile:

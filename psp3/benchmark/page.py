@@ -43,7 +43,8 @@ def write_numbers(board: Board, path: str | Path) -> Path:
     """Write the board as JSON and return the path; see :meth:`Board.as_numbers`."""
     checked_kind("board", board, Board, "a board, as Benchmark(...).board() returns it")
     target = checked_path("path", path)
-    text = json.dumps(board.as_numbers(), allow_nan=False, ensure_ascii=False, indent=1)
+    # In ASCII: names of files may hold bytes that are no characters.
+    text = json.dumps(board.as_numbers(), allow_nan=False, indent=1)
     write_text(text + "\n", target)
     return target
 

@@ -172,7 +172,8 @@ def output_named(what: str, *endings: str) -> Callable[[str], Path]:
     """Return how the name of an output is read, which must end as its programs expect."""
 
     def output(text: str) -> Path:
-        if Path(text).suffix.lower() not in endings:
+        # A directory has no ending, and is told as what it is.
+        if Path(text).suffix.lower() not in endings and not Path(text).is_dir():
             raise typer.BadParameter(f"{text}: the name of {what} must end in {', '.join(endings)}")
         return output_file(text)
 

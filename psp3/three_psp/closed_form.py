@@ -151,11 +151,12 @@ def _term(f, f1, f2, u, v, q, qu, qv, quu, quv, qvv):
 def _center_derivatives(u, v, c, d):
     """Return the derivatives (u, v, uu, uv, vv) of the star center's three coordinates."""
     # c, c^3/(1+c)^2 and c^2/(1+c) with their first and second derivatives with respect to u² + v².
-    c1, c2 = -0.5 * c**3, 0.75 * c**5
+    square = c * c
+    c1, c2 = -0.5 * (c * square), 0.75 * (c * (square * square))
     # Divided by 1 + c once: divisions take most of the time.
     w = 1.0 / (1.0 + c)
     ww = w * w
-    g = c**3 * ww
+    g = c * square * ww
     g_c, g_cc = c * c * (3.0 + c) * (ww * w), 6.0 * c * (ww * ww)
     k = c * c * w
     k_c, k_cc = (2.0 * c + c * c) * ww, 2.0 * (ww * w)
@@ -232,7 +233,8 @@ def _tip_derivatives(u, v, c, d, h):
     Those of the center plus h n.
     """
     x, y, z = _center_derivatives(u, v, c, d)
-    c1, c2 = -0.5 * c**3, 0.75 * c**5
+    square = c * c
+    c1, c2 = -0.5 * (c * square), 0.75 * (c * (square * square))
     nx = _term(c, c1, c2, u, v, u, 1.0, 0.0, 0.0, 0.0, 0.0)
     ny = _term(c, c1, c2, u, v, v, 0.0, 1.0, 0.0, 0.0, 0.0)
     nz = _term(c, c1, c2, u, v, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -271,7 +273,7 @@ def _reduced(u, v, c, k, du, dv, p):
     # base axes by the sign of z.
     ix, iy, iz = p[STAR_X], p[STAR_Y], p[STAR_Z]
     rate = u * du + v * dv
-    dc = -(c**3) * rate
+    dc = -(c * c * c) * rate
     w = 1.0 / (1.0 + c)
     dk = (2.0 * c + c * c) * (w * w) * dc
     s, ds = c * k, dc * k + c * dk

@@ -35,6 +35,7 @@ from psp3.visualize.commands import DrawingCommands
 from psp3.visualize.force_arrows import FORCE_COLOR, ForceArrow, newtons_per_decimeter
 from psp3.visualize.robot_visualizer import RobotVisualizer
 from psp3.visualize.shapes import Flat, Tube, geometry, meshcat, meshcat_script
+from psp3.visualize.tracking_error import tracking_error
 
 VIEW_DIRECTION = (0.47, 0.76, 0.44)
 """From the robot toward the camera: between arms 1 and 2, so that the third column stands behind
@@ -218,7 +219,8 @@ class Scene:
         """Show simulated or desired motion in real time.
 
         Of a result are shown: the robot, the desired pose as a translucent ghost, the paths of the
-        tip and of the desired tip, and the screw forces as arrows. Of a trajectory: the robot that
+        tip and of the desired tip, the screw forces as arrows, and in numbers how far the tip is
+        from where it should be. Of a trajectory: the robot that
         follows it exactly, and the path of the tip. Of a robot whose motors do not command all
         coordinates no desired pose is shown, and on a trajectory the others stay where they are.
 
@@ -260,7 +262,7 @@ class Scene:
                 "one simulation result or more, none of them empty (number of samples by name)",
             )
         frames = {
-            name: _of_all_coordinates(self.robot, frames_of(motion, duration))
+            name: _of_all_coordinates(self.robot, _without_missing_tip(frames_of(motion, duration)))
             for name, motion in named.items()
         }
         if not _is_driven_by_slides(self.robot):
@@ -346,10 +348,15 @@ class Scene:
                 performer.body.corners(q, moving_only=True) + offset
                 for q in self._extremes(of_robot)
             ]
-            if name:
+            error = tracking_error(self.robot, of_robot)
+            if name or error:
                 above = np.append(offset[:2], corners[:, 2].max() + 0.1)
                 points.append(above[None])
-                texts.append({"text": printable(name), "point": above.round(4)})
+                text: dict[str, Any] = {"text": printable(name), "point": above.round(4)}
+                seconds = float(of_robot.time[-1] - of_robot.time[0])
+                if error:
+                    text["error"] = error.as_command(seconds)
+                texts.append(text)
             self._performers.append(performer)
         self._cast = cast
         self._commands.add(
@@ -397,6 +404,13 @@ def _of_all_coordinates(robot: Robot, frames: Frames) -> Frames:
         desired_positions=None,
         desired_tip=None,
     )
+
+
+def _without_missing_tip(frames: Frames) -> Frames:
+    """Return frames with no tip, where its place is no number: the robot has none."""
+    if frames.tip is None or np.isfinite(frames.tip).all():
+        return frames
+    return frames._replace(tip=None, desired_tip=None)
 
 
 def _legend(frames: Mapping[str, Frames], newtons: float) -> list[dict[str, str]]:

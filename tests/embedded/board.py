@@ -79,7 +79,7 @@ def measure(folder: Path, code: CCode, board: Board) -> dict[str, Needs]:
     # It includes calls.c.
     image = _linked(folder, board, str(HERE / "measure.c"), "cases.c")
     rows = np.array([line.split() for line in _emulated(image, board).splitlines()], dtype=int)
-    nothing = _flash(folder, board, _caller(code, None))
+    nothing = _flash(folder, board, code, None)
     instructions_of = read(image)
     # What is painted begins below main, with those that call the function there.
     callers = instructions_of.own("counts") + instructions_of.own("calls_call")
@@ -87,7 +87,7 @@ def measure(folder: Path, code: CCode, board: Board) -> dict[str, Needs]:
     for number, function in enumerate(code.functions):
         _, instructions, stacks = rows[rows[:, 0] == number].T
         needs[short_name(code, function)] = Needs(
-            flash=_flash(folder, board, _caller(code, function)) - nothing,
+            flash=_flash(folder, board, code, function) - nothing,
             state=state_size(code),
             stack=int(stacks.max()) - callers,
             most_stack=instructions_of.bound(function.name),
@@ -111,22 +111,28 @@ def state_size(code: CCode) -> int:
 
 def _linked(folder: Path, board: Board, *sources: str) -> Path:
     """Return an image with the code of a folder that writes to the emulator's output."""
-    code = next(path.name for path in folder.glob("*.h") if path.stem not in ("calls", "cases"))
+    code = next(path.stem for path in folder.glob("*.h") if path.stem not in ("calls", "cases"))
     image = folder / "image.elf"
-    _compile(folder, board, image, ("--specs=rdimon.specs",), *sources, code[:-1] + "c")
+    _link(folder, board, image, ("--specs=rdimon.specs",), *sources, _object(folder, board, code))
     return image
 
 
-def _compile(
-    folder: Path, board: Board, image: Path, options: tuple[str, ...], *files: str
-) -> None:
+def _object(folder: Path, board: Board, code: str) -> str:
+    """Return the name of the compiled code of a folder, which is linked with several programs."""
+    compiled = f"{code}.{board.name}.o"
+    if not (folder / compiled).exists():
+        command = (COMPILER, *FLAGS, *board.options, "-c", "-o", compiled, f"{code}.c")
+        _run(command, folder)
+    return compiled
+
+
+def _link(folder: Path, board: Board, image: Path, options: tuple[str, ...], *files: str) -> None:
     command = (COMPILER, *FLAGS, *board.options, *LINKING, *options, "-I", ".", "-o", str(image))
-    done = subprocess.run(
-        (*command, *files, str(HERE / "startup.c"), "-lm"),
-        cwd=folder,
-        capture_output=True,
-        encoding="utf-8",
-    )
+    _run((*command, *files, str(HERE / "startup.c"), "-lm"), folder)
+
+
+def _run(command: tuple[str, ...], folder: Path) -> None:
+    done = subprocess.run(command, cwd=folder, capture_output=True, encoding="utf-8")
     assert done.returncode == 0, done.stderr
 
 
@@ -165,12 +171,11 @@ def _caller(code: CCode, function: CFunction | None) -> str:
     return "\n".join([*lines, f"int main(void) {{ {body} return 0; }}", ""])
 
 
-def _flash(folder: Path, board: Board, program: str) -> int:
-    """Return the bytes of flash of a program that prints nothing."""
-    (folder / "caller.c").write_text(program, encoding="utf-8")
-    image = folder / "caller.elf"
-    code = program.split('"')[1][:-1] + "c"
-    _compile(folder, board, image, ("--specs=nosys.specs", "-DSILENT"), "caller.c", code)
+def _flash(folder: Path, board: Board, code: CCode, function: CFunction | None) -> int:
+    """Return the bytes of flash of a program that calls a function, or none, and prints nothing."""
+    (folder / "caller.c").write_text(_caller(code, function), encoding="utf-8")
+    image, silent = folder / "caller.elf", ("--specs=nosys.specs", "-DSILENT")
+    _link(folder, board, image, silent, "caller.c", _object(folder, board, code.name))
     said = subprocess.run((SIZE, str(image)), capture_output=True, encoding="utf-8", check=True)
     text, data = map(int, said.stdout.splitlines()[1].split()[:2])
     return text + data

@@ -7,13 +7,16 @@ precision.
 
 from __future__ import annotations
 
+import functools
 import re
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 
+from fuzzy2.export.c_code import CCode
 from fuzzy2.export.project import write_project
 from psp3.export.project import export_project
 from tests.embedded.board import BOARDS, M7, Board, measure, needs_arm, run_cases
@@ -39,12 +42,31 @@ def thing(request: pytest.FixtureRequest) -> tuple[str, Any]:
     return request.param, THINGS[request.param].make()
 
 
+class Project(NamedTuple):
+    """A folder of a thing in a precision, and the code in it."""
+
+    folder: Path
+    code: CCode
+
+
+@pytest.fixture(scope="module")
+def projects(
+    thing: tuple[str, Any], tmp_path_factory: pytest.TempPathFactory
+) -> Callable[[str], Project]:
+    """Return a function that exports the thing in a precision, once."""
+
+    @functools.cache
+    def project(precision: Any) -> Project:
+        name, made = thing
+        folder = tmp_path_factory.mktemp(name)
+        return Project(folder, export_project(made, folder, precision=precision, name=name))
+
+    return project
+
+
 @pytest.mark.parametrize("precision", BOARDS)
-def test_cases_are_right_on_the_processor(
-    thing: tuple[str, Any], precision: Any, tmp_path: Path
-) -> None:
-    export_project(thing[1], tmp_path, precision=precision, name=thing[0])
-    assert "passed: 0 differ" in run_cases(tmp_path, BOARDS[precision])
+def test_cases_are_right_on_the_processor(projects: Any, precision: str) -> None:
+    assert "passed: 0 differ" in run_cases(projects(precision).folder, BOARDS[precision])
 
 
 def _row_of_the_page(about: str, board: Board, precision: str) -> list[float]:
@@ -56,14 +78,13 @@ def _row_of_the_page(about: str, board: Board, precision: str) -> list[float]:
 
 
 @pytest.mark.parametrize("precision", BOARDS)
-def test_needs_keep_to_their_bounds(thing: tuple[str, Any], precision: Any, tmp_path: Path) -> None:
+def test_needs_keep_to_their_bounds(thing: tuple[str, Any], projects: Any, precision: str) -> None:
     """No call takes more stack than its bound; that is what an interrupt may have, 64 kB.
 
     Flash and instructions have bounds in double precision on a Cortex-M7.
     """
-    name, made = thing
-    code = export_project(made, tmp_path, precision=precision, name=name)
-    found = measure(tmp_path, code, BOARDS[precision])
+    name, (folder, code) = thing[0], projects(precision)
+    found = measure(folder, code, BOARDS[precision])
     for function, needs in found.items():
         assert 0 <= needs.stack <= needs.most_stack < 60_000, function
     needs = found[THINGS[name].function]

@@ -1,6 +1,6 @@
 """Ctrl-C at any moment leaves nothing behind: what is asked afterwards is answered as before.
 
-An alarm raises KeyboardInterrupt in the middle of the work, at moments that a seed chooses.
+A signal raises KeyboardInterrupt in the middle of the work, at moments that a seed chooses.
 """
 
 from __future__ import annotations

@@ -68,7 +68,6 @@ SAVES: dict[str, Callable[[Path], object]] = {
     "controller.json": lambda path: controller().save(path),
     "map.json": lambda path: pose_map().save(path),
     "scene.html": lambda path: Scene(psp3.load("five_bar")).write_html(path),
-    "model.fmu": lambda path: psp3.export_fmu(psp3.load("five_bar"), path),
     "benchmark": lambda path: Benchmark(path, ["lqr"], ["psp3"], seeds=1, duration=0.1).run(1),
     "reproduced": lambda path: reproduce(path, quick=True),
     "study.sqlite": lambda path: psp3.Study(path, [psp3.Run("ctc", duration=0.02)]).run(1),

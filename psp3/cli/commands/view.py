@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from psp3.cli.browser import open_page
 from psp3.cli.joint_tables import position_labels
 from psp3.cli.option_groups import GainOptions, MotionOptions, single_options
 from psp3.cli.options import (
@@ -77,6 +78,12 @@ def view(
             help="Write a page (.html) that any browser opens, and do not serve.",
         ),
     ] = None,
+    browser: Annotated[
+        bool,
+        typer.Option(
+            help="Open the page in your browser, where there is a screen, or only serve it.",
+        ),
+    ] = True,
     port: Annotated[
         int, typer.Option(min=1, max=65000, help="Port to serve on; if it is taken, the next one.")
     ] = 7000,
@@ -86,59 +93,48 @@ def view(
             metavar="NAME",
             rich_help_panel=MOTION,
             help=(
-                "helix (of the 3-PSP, with a controller unless given), circle, line, "
-                "point-to-point, hold, sway (of any robot), or csv:FILE; without a controller "
-                "shown as it is desired."
+                "circle (of the 3-PSP, unless given), helix (with a controller), line, "
+                "point-to-point, hold, sway (of any other robot, unless given), or csv:FILE; "
+                "without a controller shown as it is desired."
             ),
         ),
     ] = None,
     motion: MotionOptions,
 ) -> None:
-    """Show the robot in the browser, at rest or in motion.
+    """Show the robot in the browser, in motion or, with --positions, at rest.
 
-    Robots of several results and controllers stand side by side. Serves to this machine only, at
-    127.0.0.1, until Ctrl-C.
+    Opens the browser itself. Robots of several results and controllers stand side by side, each
+    with its error in millimeters. Serves to this machine only, at 127.0.0.1, until Ctrl-C.
     """
-    if positions is not None and result:
-        raise usage_error("give --positions or --result, not both")
     simulated = bool(controller or trained)
-    if trajectory is None and not simulated:
-        what = "a view without --trajectory, --controller or --trained"
-        only_allowed(what, vars(motion), ())
-    elif positions is not None:
-        raise usage_error(
-            "--positions is for a robot at rest: it does not apply to --trajectory, --controller "
-            "or --trained"
-        )
-    elif result and not simulated:
-        raise usage_error("--trajectory does not apply to --result, which has its own")
+    _refuse_contradictions(
+        at_rest=positions is not None,
+        recorded=bool(result),
+        simulated=simulated,
+        trajectory=trajectory,
+        motion=motion,
+    )
     which = robot.load()
     pose = (
         which.reference
         if positions is None
         else of_each("--positions", positions, position_labels(which))
     )
-    from psp3.simulation.result import load_result
-
-    # Files of the same name in different directories are told apart by their paths.
-    paths = list(dict.fromkeys(result or []))
-    stems = [path.stem for path in paths]
-    motions: dict[str, Result | Trajectory] = {
-        path.stem if stems.count(path.stem) == 1 else str(path): load_result(path) for path in paths
-    }
+    motions: dict[str, Result | Trajectory] = dict(_recorded(result or []))
     seconds = None
-    if trajectory is not None or simulated:
+    if simulated:
         desired, seconds, _ = trajectory_from_options(which, trajectory, motion)
-        if simulated:
-            motions |= _simulated(which, controller or [], trained or [], desired, seconds)
-        else:
-            motions["desired"] = desired
+        motions |= _simulated(which, controller or [], trained or [], desired, seconds)
+    elif positions is None and not motions:
+        shown = _desired(which, trajectory, motion)
+        if shown is not None:
+            motions[""], seconds = shown
     from psp3.visualize.scene import Scene
     from psp3.visualize.viewer import Viewer
 
     def stage(scene: Scene) -> None:
         if motions:
-            scene.animate(motions if len(motions) > 1 else next(iter(motions.values())), seconds)
+            scene.animate(motions, seconds)
         else:
             scene.show(pose)
 
@@ -155,9 +151,69 @@ def view(
         try:
             # Who reads this may interrupt at once.
             say(f"{viewer.url} shows the robot; Ctrl-C ends.")
+            if browser:
+                open_page(viewer.url)
             threading.Event().wait()
         except KeyboardInterrupt:
             say(err=True)
+
+
+def _refuse_contradictions(
+    *,
+    at_rest: bool,
+    recorded: bool,
+    simulated: bool,
+    trajectory: str | None,
+    motion: MotionOptions,
+) -> None:
+    """Raise a usage error where options do not go together."""
+    if at_rest and recorded:
+        raise usage_error("give --positions or --result, not both")
+    if at_rest and (trajectory is not None or simulated):
+        raise usage_error(
+            "--positions is for a robot at rest: it does not apply to --trajectory, --controller "
+            "or --trained"
+        )
+    if recorded and trajectory is not None and not simulated:
+        raise usage_error("--trajectory does not apply to --result, which has its own")
+    if at_rest or (recorded and not simulated):
+        only_allowed("--positions" if at_rest else "--result", vars(motion), ())
+
+
+def _recorded(files: Iterable[Path]) -> dict[str, Result]:
+    """Return results from their files, by the names of these.
+
+    Files of the same name in different directories are told apart by their paths.
+    """
+    from psp3.simulation.result import load_result
+
+    paths = list(dict.fromkeys(files))
+    stems = [path.stem for path in paths]
+    return {
+        path.stem if stems.count(path.stem) == 1 else str(path): load_result(path) for path in paths
+    }
+
+
+def _desired(
+    robot: ClosedLoopRobot, text: str | None, options: MotionOptions
+) -> tuple[Trajectory, float] | None:
+    """Return what the robot does without a controller, and for how long; None if it cannot move.
+
+    A motion that repeats is shown in whole turns, so that it goes on without a jump.
+    """
+    from psp3.errors import InvalidValue
+
+    chosen = text or ("circle" if robot.has_inverse_of_tip else None)
+    try:
+        desired, seconds, _ = trajectory_from_options(robot, chosen, options)
+    except InvalidValue:
+        if text is None and not any(value is not None for value in vars(options).values()):
+            return None
+        raise
+    period = getattr(desired, "period", None)
+    if options.duration is None and period is not None and seconds > period:
+        seconds = period * int(seconds / period)
+    return desired, seconds
 
 
 def _simulated(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import shutil
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -13,10 +12,8 @@ import numpy as np
 import pytest
 
 from fuzzy2.export.c_code import Argument, CCode, CFunction, CWriter
+from tests.c_code import COMPILERS, FLAGS, compiled
 
-STRICT = ["-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic"]
-STRICT += ["-Wconversion", "-Werror"]
-COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
 needs_gcc = pytest.mark.skipif("gcc" not in COMPILERS, reason="no gcc on this machine")
 
 
@@ -24,22 +21,7 @@ def build(
     code: CCode, folder: Path, compiler: str = "gcc", flags: tuple[str, ...] = ()
 ) -> ctypes.CDLL:
     """Compile without a warning, and load."""
-    _, source = code.write(folder)
-    library = folder / f"{code.name}_{compiler}.so"
-    command = [
-        compiler,
-        *STRICT,
-        *flags,
-        "-shared",
-        "-fPIC",
-        "-o",
-        str(library),
-        str(source),
-        "-lm",
-    ]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr[:2000]
-    return ctypes.CDLL(str(library))
+    return ctypes.CDLL(str(compiled(code, folder, compiler, *flags)))
 
 
 def bind(library: ctypes.CDLL, code: CCode, function: CFunction) -> Callable[..., Any]:
@@ -57,6 +39,74 @@ def bind(library: ctypes.CDLL, code: CCode, function: CFunction) -> Callable[...
         return called(*(a if kind is item else a.ctypes.data_as(kind) for a, kind in given))
 
     return call
+
+
+ROWS = """
+void {function}_rows(int count, const {item} *given, {item} *written, int *codes);
+void {function}_rows(int count, const {item} *given, {item} *written, int *codes)
+{{
+    int i;
+    for (i = 0; i < count; i++) {{
+        codes[i] = {function}(given + {reads} * i, written + {writes} * i);
+    }}
+}}
+"""
+
+
+def calls_of_rows(code: CCode) -> str:
+    """Return C code that calls each function ``int f(x, out)`` with many rows.
+
+    A call from Python takes longer than what most functions do.
+    """
+    texts = [
+        ROWS.format(
+            function=function.name,
+            item=code.precision.type,
+            reads=function.visible[0].size,
+            writes=function.visible[1].size,
+        )
+        for function in code.functions
+    ]
+    return "\n".join([f'#include "{code.name}.h"', *texts])
+
+
+class InC:
+    """Functions ``int f(x, out)`` of exported code, compiled without a warning, for many rows.
+
+    Parameters
+    ----------
+    code : CCode
+        The code.
+    folder : Path
+        Where it is written and compiled, to ``{name}.o`` among others.
+    """
+
+    def __init__(self, code: CCode, folder: Path) -> None:
+        self.code, self.folder = code, folder
+        code.write(folder)
+        (folder / f"{code.name}_rows.c").write_text(calls_of_rows(code), encoding="utf-8")
+        names = (code.name, f"{code.name}_rows")
+        _run(["gcc", *FLAGS, "-fPIC", "-c", *(f"{name}.c" for name in names)], folder)
+        files = [f"{name}.o" for name in names]
+        _run(["gcc", "-shared", "-o", f"{code.name}.so", *files, "-lm"], folder)
+        self._library = ctypes.CDLL(str(folder / f"{code.name}.so"))
+
+    def rows(self, number: int, X: Any) -> tuple[Any, Any]:
+        """Return what a function writes and returns for each row."""
+        function = self.code.functions[number]
+        given, written = (argument.size or 1 for argument in function.visible)
+        kind = np.float64 if self.code.precision.name == "double" else np.float32
+        X = np.ascontiguousarray(X, kind)
+        assert X.shape[1] == given
+        out, codes = np.full((len(X), written), -7.0, kind), np.full(len(X), -7, np.int32)
+        pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in (X, out, codes)]
+        self._library[f"{function.name}_rows"](len(X), *pointers)
+        return out, codes
+
+
+def _run(command: list[str], folder: Path) -> None:
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[:2000]
 
 
 def kernel_in_c(

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +16,18 @@ from hypothesis import given, settings
 
 import fuzzy2
 from fuzzy2.errors import InvalidValue, NotExportable, NotFitted, UnknownName
+from fuzzy2.export.c_code import CCode
 from fuzzy2.export.calls import FUNCTIONS
 from fuzzy2.export.systems import has_intervals, system_of
-from tests.fuzzy2.export.in_c import COMPILERS, bind, build, needs_gcc
+from tests.c_code import FLAGS
+from tests.fuzzy2.export.in_c import InC, bind, build, needs_gcc
 from tests.fuzzy2.export.kinds import JUMPING, KINDS, SLOW, interval, type_1
 from tests.fuzzy2.systems.random_systems import states, systems
+from tests.project_folder import check_statically, needs_clang, needs_cppcheck
 
 pytestmark = pytest.mark.filterwarnings("ignore::fuzzy2.ApproximationWarning")
+
+ALL = KINDS | SLOW
 
 
 def inputs(count: int) -> Any:
@@ -30,21 +37,32 @@ def inputs(count: int) -> Any:
     return rng.normal(size=(count, 2)) * scales
 
 
-def answers(thing: Any, X: Any, folder: Path, **options: Any) -> tuple[Any, Any, Any]:
-    """Return the answers in C and in Python, and the codes."""
-    code = fuzzy2.export_c(thing, folder, **options)
-    run = bind(build(code, folder), code, code.functions[0])
-    system = system_of(thing)
-    kind = np.float32 if options.get("precision") == "single" else np.float64
-    outputs = np.empty((len(X), len(system.output_names)), kind)
-    codes = np.array([run(x, out) for x, out in zip(X.astype(kind), outputs, strict=True)])
-    return outputs, np.asarray(system(X)), codes
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], CCode]:
+    """Return a function that exports a system of a kind, each once, to the same folder."""
+    folder = tmp_path_factory.mktemp("systems")
+
+    @functools.cache
+    def write(kind: str) -> CCode:
+        return fuzzy2.export_c(ALL[kind](), folder, name=f"system_{[*ALL].index(kind)}")
+
+    setattr(write, "folder", folder)  # noqa: B010 (a function has no such attribute for mypy)
+    return write
+
+
+@pytest.fixture(scope="module")
+def compiled(written: Any, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], InC]:
+    """Return a function that compiles a system of a kind in double precision, each once."""
+    folder = tmp_path_factory.mktemp("compiled")
+    return functools.cache(lambda kind: InC(written(kind), folder))
 
 
 @needs_gcc
 @pytest.mark.parametrize("kind", KINDS)
-def test_ten_thousand_inputs_give_the_same_numbers(kind, tmp_path):
-    outputs, right, codes = answers(KINDS[kind](), inputs(10_000), tmp_path)
+def test_ten_thousand_inputs_give_the_same_numbers(kind, compiled):
+    X = inputs(10_000)
+    outputs, codes = compiled(kind).rows(0, X)
+    right = np.asarray(system_of(KINDS[kind]())(X))
     assert (codes == 1).all()
     np.testing.assert_array_equal(outputs, right)
     assert np.isfinite(right).any()
@@ -52,22 +70,20 @@ def test_ten_thousand_inputs_give_the_same_numbers(kind, tmp_path):
 
 @needs_gcc
 @pytest.mark.parametrize("kind", KINDS)
-def test_ends_of_intervals_are_those_of_python(kind, tmp_path):
-    system = system_of(KINDS[kind]())
-    code = fuzzy2.export_c(system, tmp_path)
-    assert has_intervals(system) == (len(code.functions) == 2)
+def test_ends_of_intervals_are_those_of_python(kind, compiled):
+    system, in_c = system_of(KINDS[kind]()), compiled(kind)
+    assert has_intervals(system) == (len(in_c.code.functions) == 2)
     if not has_intervals(system):
         return
-    run = bind(build(code, tmp_path), code, code.functions[1])
-    X, ends = inputs(10_000), np.empty((10_000, len(system.output_names), 2))
-    assert all(run(x, out) == 1 for x, out in zip(X, ends, strict=True))
+    X = inputs(10_000)
+    ends, codes = in_c.rows(1, X)
+    ends = ends.reshape(len(X), -1, 2)
+    assert (codes == 1).all()
     np.testing.assert_array_equal(ends, system.type_reduced(X))
     left, right = ends[np.isfinite(ends).all(axis=-1)].T
     assert left.size
     if getattr(system, "reduction", "") != "gaussian":
         assert (left <= right).all()
-    assert run(np.array([np.nan, 0.0]), ends[0]) == 0
-    assert np.isnan(ends[0]).all()
 
 
 def test_systems_whose_intervals_are_points_have_no_function_for_them(tmp_path):
@@ -93,7 +109,7 @@ def test_random_systems_answer_as_in_python(system):
             # Of what is drawn here nothing else: unions that only arrays integrate.
             assert "without a grid" in error.what  # noqa: PT017
             return
-        library = build(code, Path(folder), flags=("-O1",))
+        library = build(code, Path(folder), flags=("-O0",))
         run = bind(library, code, code.functions[0])
         right, ends = np.asarray(system(X)), system.type_reduced(X)
         for x, outputs in zip(X, right, strict=True):
@@ -115,8 +131,9 @@ def test_random_systems_answer_as_in_python(system):
 def test_unions_give_the_same_numbers_or_say_that_memory_is_short(kind, norm, tmp_path):
     """Where lower strengths are tiny beside the upper ones, pieces are many."""
     system = SLOW[kind]().replace(t_norm=norm, implication=norm)
-    outputs, right, codes = answers(system, inputs(10_000 if norm == "min" else 500), tmp_path)
-    done = codes == 1
+    X = inputs(10_000 if norm == "min" else 500)
+    outputs, codes = InC(fuzzy2.export_c(system, tmp_path), tmp_path).rows(0, X)
+    right, done = np.asarray(system(X)), codes == 1
     assert done.mean() > (0.99 if norm == "min" else 0.97)
     np.testing.assert_array_equal(outputs[done], right[done])
     assert np.isnan(outputs[~done]).all()
@@ -125,13 +142,11 @@ def test_unions_give_the_same_numbers_or_say_that_memory_is_short(kind, norm, tm
 
 @needs_gcc
 @pytest.mark.parametrize("kind", KINDS)
-def test_what_is_not_finite_has_no_answer(kind, tmp_path):
-    code = fuzzy2.export_c(KINDS[kind](), tmp_path)
-    run = bind(build(code, tmp_path), code, code.functions[0])
-    out = np.zeros(code.functions[0].arguments[1].size)
-    for bad in (np.nan, np.inf, -np.inf):
-        out[:] = 0.0
-        assert run(np.array([0.0, bad]), out) == 0
+def test_what_is_not_finite_has_no_answer(kind, compiled):
+    bad = np.array([[0.0, np.nan], [np.inf, 0.0], [0.0, -np.inf], [np.nan, np.inf]])
+    for number in range(len(compiled(kind).code.functions)):
+        out, codes = compiled(kind).rows(number, bad)
+        assert (codes == 0).all()
         assert np.isnan(out).all()
 
 
@@ -140,7 +155,9 @@ def test_what_is_not_finite_has_no_answer(kind, tmp_path):
 def test_single_precision_is_near(kind, tmp_path, record_property):
     """What single precision costs, relative to the spread of the outputs, near the terms."""
     X = np.random.default_rng(1).uniform(-1.5, 1.5, (2000, 2))
-    outputs, right, codes = answers((KINDS | SLOW)[kind](), X, tmp_path, precision="single")
+    code = fuzzy2.export_c(ALL[kind](), tmp_path, precision="single")
+    outputs, codes = InC(code, tmp_path).rows(0, X)
+    right = np.asarray(system_of(ALL[kind]())(X))
     assert (codes == 1).all()
     both = np.isfinite(right)
     assert (np.isfinite(outputs) == both).mean() > 0.999
@@ -157,55 +174,79 @@ def test_single_precision_is_near(kind, tmp_path, record_property):
 
 
 MAIN = """
-#include <math.h>
-#include "system.h"
-
+#include <stdio.h>
+{headers}
 int main(void)
 {{
-    static const double scales[7] = {{0.0, 0.3, 1.0, 3.0, 40.0, 1e4, 1e300}};
-    int i, j, k, answers = 0;
-    for (i = 0; i < 7; i++) {{
-        for (j = -20; j <= 20; j++) {{
-            for (k = -20; k <= 20; k += 5) {{
-                double x[2], out[{outputs}];
-                x[0] = scales[i] * 0.1 * j;
-                x[1] = scales[i] * 0.1 * k;
-                answers += system_evaluate(x, out);
-                x[j % 2 == 0] = i % 2 == 0 ? NAN : INFINITY;
-                answers -= 2 * system_evaluate(x, out);
-            }}
-        }}
+    static double x[{count}][2], out[64];
+    int i, code;
+    if (fread(x, sizeof x[0], {count}, stdin) != {count}) {{
+        return 1;
     }}
-    return answers > 0 ? 0 : 1;
+{calls}
+    return 0;
 }}
 """
 
+CALLS = """
+    for (i = 0; i < {count}; i++) {{
+        code = {function}(x[i], out);
+        fwrite(&code, sizeof code, 1, stdout);
+        fwrite(out, sizeof out[0], {writes}, stdout);
+    }}"""
+
+
+def _hard_inputs() -> Any:
+    """Return inputs from zero to 1e300, and some that are no numbers."""
+    steps = 0.1 * np.arange(-20.0, 21.0, 5.0)
+    grid = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+    X = np.concatenate([scale * grid for scale in (0.0, 0.3, 1.0, 3.0, 40.0, 1e4, 1e300)])
+    X[::50, 0], X[7::50, 1], X[9::50, 1] = np.nan, np.inf, -np.inf
+    return X
+
 
 @needs_gcc
-@pytest.mark.parametrize("kind", KINDS)
-def test_sanitizers_find_nothing(kind, tmp_path):
-    code = fuzzy2.export_c(KINDS[kind](), tmp_path)
-    outputs = code.functions[0].arguments[1].size
-    (tmp_path / "main.c").write_text(MAIN.format(outputs=outputs))
-    sanitize = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
-    command = ["gcc", "-std=c99", "-O1", "-g", *sanitize, "-o", "main", "main.c", "system.c", "-lm"]
-    made = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-    if "cannot find" in made.stderr:
-        pytest.skip("the sanitizers are not installed")
-    assert made.returncode == 0, made.stderr
-    run = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=False)
-    assert run.returncode == 0, run.stderr[:2000]
+@needs_clang
+def test_clang_and_sanitizers_find_nothing_and_numbers_are_the_same(written, compiled, tmp_path):
+    """Of all kinds in one program, which says the numbers that gcc's code does."""
+    X, kinds = _hard_inputs(), list(KINDS)
+    codes = [written(kind) for kind in kinds]
+    functions = [function for code in codes for function in code.functions]
+    headers = "\n".join(f'#include "{code.name}.h"' for code in codes)
+    calls = "".join(
+        CALLS.format(count=len(X), function=one.name, writes=one.visible[1].size)
+        for one in functions
+    )
+    main = MAIN.format(headers=headers, count=len(X), calls=calls)
+    (tmp_path / "main.c").write_text(main, encoding="utf-8")
+    sanitize = ["-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-recover=all"]
+    command = ["clang", *FLAGS, "-O0", "-g", *sanitize, f"-I{written.folder}", "-o", "main"]
+    files = ["main.c", *(str(written.folder / f"{code.name}.c") for code in codes), "-lm"]
+    made = subprocess.run([*command, *files], cwd=tmp_path, capture_output=True, check=False)
+    assert made.returncode == 0, made.stderr[:2000].decode()
+    run = subprocess.run([tmp_path / "main"], input=X.tobytes(), capture_output=True, check=False)
+    assert run.returncode == 0, run.stderr[:2000].decode()
+    at = 0
+    for kind in kinds:
+        for number, function in enumerate(written(kind).functions):
+            of_one = np.dtype([("code", "i4"), ("out", "f8", (function.visible[1].size,))])
+            said = np.frombuffer(run.stdout, of_one, len(X), at)
+            at += said.nbytes
+            out, done = compiled(kind).rows(number, X)
+            np.testing.assert_array_equal(said["code"], done, kind)
+            np.testing.assert_array_equal(said["out"], out, kind)
+            assert done.any()
+            assert not done[~np.isfinite(X).all(axis=1)].any()
+    assert at == len(run.stdout)
 
 
 @needs_gcc
 @pytest.mark.skipif(shutil.which("nm") is None, reason="no nm on this machine")
 @pytest.mark.parametrize("kind", KINDS)
-def test_nothing_is_taken_from_elsewhere_and_nothing_global_is_written(kind, tmp_path):
-    code = fuzzy2.export_c(KINDS[kind](), tmp_path)
-    command = ["gcc", "-std=c99", "-Os", "-c", "-o", "system.o", "system.c"]
-    subprocess.run(command, cwd=tmp_path, check=True)
+def test_nothing_is_taken_from_elsewhere_and_nothing_global_is_written(kind, compiled):
+    code, folder = compiled(kind).code, compiled(kind).folder
     listed = subprocess.run(
-        ["nm", "system.o"], cwd=tmp_path, capture_output=True, text=True, check=True
+        ["nm", f"{code.name}.o"], cwd=folder, capture_output=True, text=True, check=True
     )
     symbols = [line.split()[-2:] for line in listed.stdout.splitlines()]
     mathematics = {"exp", "log", "log1p", "expm1", "sqrt", "pow", "memset", "memcpy"}
@@ -219,26 +260,11 @@ def test_nothing_is_taken_from_elsewhere_and_nothing_global_is_written(kind, tmp
     assert code.source.count("#include") == 2
 
 
-@pytest.mark.skipif("clang" not in COMPILERS, reason="no clang on this machine")
-@pytest.mark.parametrize("kind", KINDS)
-def test_clang_has_nothing_to_say_and_gives_the_same(kind, tmp_path):
-    code = fuzzy2.export_c(KINDS[kind](), tmp_path)
-    one = bind(build(code, tmp_path), code, code.functions[0])
-    other = bind(build(code, tmp_path, "clang"), code, code.functions[0])
-    for x in inputs(200):
-        out = np.zeros((2, code.functions[0].arguments[1].size))
-        assert one(x, out[0]) == other(x, out[1])
-        np.testing.assert_array_equal(out[0], out[1])
-
-
-@pytest.mark.skipif(shutil.which("cppcheck") is None, reason="no cppcheck on this machine")
-def test_a_static_check_finds_nothing(tmp_path):
-    for i, made in enumerate((KINDS | SLOW).values()):
-        fuzzy2.export_c(made(), tmp_path, name=f"system_{i}")
-    command = ["cppcheck", "--std=c99", "--enable=warning,portability,performance", "--quiet"]
-    command += ["--error-exitcode=1", str(tmp_path)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr[:2000]
+@needs_cppcheck
+def test_a_static_check_finds_nothing(written):
+    for kind in ALL:
+        written(kind)
+    check_statically(written.folder)
 
 
 def test_the_header_says_what_there_is(tmp_path):
@@ -261,8 +287,9 @@ def test_what_is_no_system_is_refused():
         fuzzy2.export_c(fuzzy2.ANFIS(), ".")
     with pytest.raises(UnknownName, match="half"):
         fuzzy2.export_c(type_1(), ".", precision="half")
-    with pytest.raises(InvalidValue, match="a letter first"):
-        fuzzy2.export_c(type_1(), ".", name="my system")
+    for name in ("my system", "", b"", b"rules", "größe", None, 3):
+        with pytest.raises(InvalidValue, match="a letter first"):
+            fuzzy2.export_c(type_1(), ".", name=name)
     principal = fuzzy2.Gaussian(0.0, 0.3)
     bounded = fuzzy2.GaussianType2Set(principal, 0.1, domain=(-1.0, 1.0))
     system = fuzzy2.GeneralType2System([[bounded]], [[0]], [[1.0]])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sqlite3
 from dataclasses import replace
 from pathlib import Path
@@ -43,6 +44,14 @@ def test_keys_differ_by_entry_text_every_field_of_a_trial_and_the_sources(
     assert len(keys) == len(entries) * len(trials)
     monkeypatch.setattr(file, "stamp", lambda: "other sources")
     assert key(entry, trial) not in keys
+
+
+def test_an_entry_is_called_what_a_file_may_be_called(tmp_path: Path) -> None:
+    """Names of files hold bytes, some of which are no characters."""
+    own = key(entry_of(os.fsdecode(b"not\xffutf8\n"), Exact), Trial("psp3"))
+    some = OutcomeFile(tmp_path / "some.sqlite")
+    some.add(own, OUTCOME)
+    assert some.outcomes() == {own: OUTCOME}
 
 
 @pytest.mark.parametrize("content", [b"no database", None])

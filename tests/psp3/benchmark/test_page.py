@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import os
 import re
 from html.parser import HTMLParser
 from pathlib import Path
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 from selenium import webdriver
 
+from fuzzy2.errors import printable
 from psp3.benchmark import page as page_of_board
 from psp3.benchmark.board import Board
 from psp3.benchmark.page import (
@@ -142,6 +144,16 @@ def test_numbers_are_written_as_strict_json(board: Board, tmp_path: Path) -> Non
     path = write_numbers(board, tmp_path / "benchmark.json")
     found = json.loads(path.read_text("utf-8"), parse_constant=pytest.fail)
     assert found == json.loads(json.dumps(board.as_numbers()))
+
+
+def test_names_that_are_no_characters_are_written(tmp_path: Path) -> None:
+    """As a file's name may be; the page shows the byte, and the numbers have it as it is."""
+    name = os.fsdecode(b"not\xffutf8")
+    board = board_of({"ctc": np.full((2, 2, 2), 1e-4), name: np.full((2, 2, 2), 1e-3)})
+    text = write_page(board, tmp_path / "page.html").read_text("utf-8")
+    assert printable(name) in text
+    found = json.loads(write_numbers(board, tmp_path / "benchmark.json").read_text("utf-8"))
+    assert [one["name"] for one in found["entries"]] == ["ctc", name]
 
 
 def test_a_board_without_any_place_is_a_page_too(tmp_path: Path) -> None:

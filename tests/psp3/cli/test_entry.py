@@ -268,10 +268,9 @@ OF_OTHER_ROBOTS = [
         ("view --result none.npz --record page.html", "none.npz"),
         ("view --heights 0,0,0 --result run.npz", "give --positions or --result, not both"),
         ("view --port 0", "'--port'"),
-        (
-            "view --radius 0.01",
-            "--radius does not apply to a view without --trajectory, --controller or --trained",
-        ),
+        ("view --rise 0.01", "--rise does not apply to --trajectory circle"),
+        ("view --heights 0,0,0 --radius 0.01", "--radius does not apply to --positions"),
+        ("view --result run.npz --radius 0.01", "--radius does not apply to --result"),
         ("view --heights 0,0,0 --controller pd", "--positions is for a robot at rest"),
         (
             "view --result run.npz --trajectory helix",
@@ -422,8 +421,7 @@ def test_every_robot_answers_every_command(psp3_command: Run, name: str) -> None
             ("simulate", name, *short, "--out", "r.npz", "--figure", "r.png", "--csv", "r.csv"),
             "",
         ),
-        (("view", name, "--record", "pose.html"), ""),
-        (("view", name, "--trajectory", "sway", *short, "--record", "sway.html"), ""),
+        (("view", name, *short, "--record", "moving.html"), ""),
         (("view", name, "--controller", "ctc", *short, "--record", "ctc.html"), ""),
         (("view", name, "--result", "r.npz", "--record", "result.html"), ""),
         (("workspace", name, "--resolution", "2"), follows and "free='lock'"),

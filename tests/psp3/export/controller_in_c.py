@@ -3,34 +3,17 @@
 from __future__ import annotations
 
 import ctypes
-import shutil
-import subprocess
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from fuzzy2.export.c_code import CCode
 from psp3.checks import Array
 from psp3.control.controller import steer, widths_of
 from psp3.export.face import c_code
 from psp3.multibody.tree import AT_BEFORE
 from psp3.trajectories.motion import Motion
-
-STRICT = ["-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic"]
-STRICT += ["-Wconversion", "-Werror"]
-COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
-
-
-def compile_c(code: CCode, folder: Path, compiler: str, *options: str) -> Path:
-    """Compile exported code without a warning, to a shared library."""
-    folder.mkdir(parents=True, exist_ok=True)
-    _, source = code.write(folder)
-    library = folder / f"{code.name}_{compiler}.so"
-    command = [compiler, *STRICT, *options, "-shared", "-fPIC", "-o", str(library), str(source)]
-    done = subprocess.run([*command, "-lm"], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr[:2000]
-    return library
+from tests.c_code import compiled
 
 
 class ControllerInC:
@@ -42,17 +25,17 @@ class ControllerInC:
         What is written in C.
     folder : Path
         Where it is written and compiled.
-    compiler : str
-        By what.
+    optimized : str
+        How far gcc goes.
     **options
         As of :func:`psp3.export_c`.
     """
 
     def __init__(
-        self, controller: Any, folder: Path, compiler: str = "gcc", **options: Any
+        self, controller: Any, folder: Path, *, optimized: str = "-O2", **options: Any
     ) -> None:
         self.code = c_code(controller, **options)
-        library = ctypes.CDLL(str(compile_c(self.code, folder, compiler)))
+        library = ctypes.CDLL(str(compiled(self.code, folder, "gcc", optimized)))
         self.item = ctypes.c_double if self.code.precision.name == "double" else ctypes.c_float
         self._kind = np.float64 if self.item is ctypes.c_double else np.float32
         self._functions = {

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -15,11 +14,10 @@ import psp3
 from fuzzy2.errors import NotExportable
 from psp3.errors import PSP3Error
 from psp3.export.face import c_code
-from tests.c_code import COMPILERS, Library, checked_at_run_time, compiled, same
+from tests.c_code import STATES, Library, checked_at_run_time, compiled, same
 from tests.helpers import Array
 from tests.project_folder import check_statically, needs_c, needs_clang, needs_cppcheck
 
-STATES = int(os.environ.get("EXPORT_STATES", "1000"))
 ROBOT = psp3.load("psp3")
 
 
@@ -93,8 +91,7 @@ def test_compilers_sanitizers_and_cppcheck_have_nothing_to_say(
     precision: Any, tmp_path: Path
 ) -> None:
     code = c_code(ROBOT, precision=precision)
-    for compiler in COMPILERS:
-        checked_at_run_time(code, tmp_path, compiler, {"heights": np.full(3, 0.2)})
+    checked_at_run_time(code, tmp_path, "clang", {"heights": np.full(3, 0.2)})
     code.write(tmp_path / "code")
     check_statically(tmp_path / "code")
     assert "while (" not in code.source

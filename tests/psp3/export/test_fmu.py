@@ -71,6 +71,15 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
     return write
 
 
+@pytest.fixture
+def unoptimized(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Compile what a test alone needs without optimization, which takes most of its time.
+
+    Numbers are the same, and FMUs that several tests share are optimized.
+    """
+    monkeypatch.setattr(fmu, "FLAGS", tuple(flag.replace("-O2", "-O0") for flag in fmu.FLAGS))
+
+
 @pytest.fixture(params=VERSIONS)
 def version(request: pytest.FixtureRequest) -> str:
     """Return a version of FMI."""
@@ -253,6 +262,7 @@ def test_fmpy_s_own_loop_makes_the_same_motion(written: Any, version: str) -> No
         )
 
 
+@pytest.mark.usefixtures("unoptimized")
 @pytest.mark.slow
 def test_drives_steps_and_long_communication_steps(plant: Any) -> None:
     """Dry friction, two steps of integration in a period, and forces held for two periods."""
@@ -273,6 +283,7 @@ def test_drives_steps_and_long_communication_steps(plant: Any) -> None:
     assert abs(free.advance(np.array([0.3, 0.1]), 0.1)[0] - right[0]).max() > 1e-3
 
 
+@pytest.mark.usefixtures("unoptimized")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["biped", "gripper"])
 def test_robot_whose_coordinates_follow(name: str, plant: Any) -> None:
@@ -317,6 +328,7 @@ class InPython(RungeKutta):
     """A plant whose loop is in Python, as those of FMUs are."""
 
 
+@pytest.mark.usefixtures("unoptimized")
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", OF_FILES)
 def test_robots_of_files_are_those_of_simulate(kind: str, plant: Any, tmp_path: Path) -> None:
@@ -331,6 +343,7 @@ def test_robots_of_files_are_those_of_simulate(kind: str, plant: Any, tmp_path: 
     np.testing.assert_allclose(found.positions, compiled.positions, rtol=0.0, atol=1e-9)
 
 
+@pytest.mark.usefixtures("unoptimized")
 @pytest.mark.slow
 @pytest.mark.parametrize("version", ["2.0"])
 @pytest.mark.parametrize(
@@ -654,6 +667,7 @@ def arm(*names: str, title: str = "arm") -> Any:
     return psp3.ClosedLoopRobot(model, [], list(names))
 
 
+@pytest.mark.usefixtures("unoptimized")
 @pytest.mark.slow
 @with_gcc
 def test_names_of_all_kinds_are_in_the_file_and_in_the_log(
@@ -702,11 +716,18 @@ def test_names_that_no_fmu_can_hold_are_refused(tmp_path: Path, no_gcc: None) ->
     assert not place.exists()
 
 
+@pytest.mark.usefixtures("unoptimized")
 @pytest.mark.parametrize(
     ("file", "name"),
     [
         *(("model", "model"), ("Instance", "Instance"), ("fmi2", "fmi2"), ("double", "double")),
-        *(("_x", "_x"), ("3 PSP", "model_3_PSP"), ("é", "_"), ("x" * 250, "x" * 200)),
+        *(
+            ("_x", "_x"),
+            ("-dash", "_dash"),
+            ("3 PSP", "model_3_PSP"),
+            ("é", "_"),
+            ("x" * 250, "x" * 200),
+        ),
     ],
 )
 @with_gcc

@@ -1,16 +1,17 @@
 """Robots in C answer as the core does: every number to the last bit, refusals and NaN alike.
 
 Both sides run the same operations in the same order, and the C library is the same, so nothing may
-differ. How many states are asked stands in the environment, ``EXPORT_STATES``: a thousand, or ten
-thousand with ``make export-states``, before a release.
+differ. Some hundred states are asked, or ten thousand with ``make export-states``, before a
+release.
 """
 
 from __future__ import annotations
 
-import os
+import functools
 import re
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -19,6 +20,7 @@ import pytest
 import fuzzy2
 import psp3
 from fuzzy2.errors import NotExportable
+from fuzzy2.export.c_code import CCode
 from fuzzy2.export.systems import c_code_of
 from psp3.errors import InvalidValue, UnknownName
 from psp3.export.face import c_code
@@ -30,12 +32,18 @@ from psp3.multibody.core import Core
 from psp3.multibody.tree import AT_BEFORE, AT_REPORT
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from psp3.robots.stepping import DrivenTables, forces_of_all, forces_of_first
-from tests.c_code import COMPILERS, Library, checked_at_run_time, compiled, same
+from tests.c_code import (
+    PRECISIONS,
+    STATES,
+    Library,
+    checked_at_run_time,
+    compiled,
+    same,
+    warnings_of,
+)
 from tests.helpers import Array
 from tests.project_folder import check_statically, needs_c, needs_clang, needs_cppcheck
 from tests.psp3.export.robots_of_all_kinds import MAKERS, States, some_frames
-
-STATES = int(os.environ.get("EXPORT_STATES", "1000"))
 
 pytestmark = pytest.mark.slow
 
@@ -113,12 +121,32 @@ class Beside:
         return [] if right and (code == 0) == is_done else [f"actuator_forces: {code}"]
 
 
+class Built(NamedTuple):
+    """A robot, and its code in double precision, compiled."""
+
+    robot: Any
+    code: CCode
+    library: Path
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Built]:
+    """Return a function that makes a robot and compiles its code, once."""
+
+    @functools.cache
+    def build(name: str) -> Built:
+        folder = tmp_path_factory.mktemp(name)
+        robot = MAKERS[name](folder)
+        code = c_code(robot, name=name, frames=some_frames(robot))
+        return Built(robot, code, compiled(code, folder))
+
+    return build
+
+
 @pytest.mark.parametrize("name", MAKERS)
-def test_every_number_is_the_same(name: str, tmp_path: Path) -> None:
-    robot = MAKERS[name](tmp_path)
-    frames = some_frames(robot)
-    code = c_code(robot, name=name, frames=frames)
-    beside = Beside(robot, Library(code, compiled(code, tmp_path)), frames)
+def test_every_number_is_the_same(name: str, built: Any) -> None:
+    robot, code, library = built(name)
+    beside = Beside(robot, Library(code, library), some_frames(robot))
     states, codes = States(robot), set()
     for count in range(STATES):
         if count % 5 == 0:
@@ -135,22 +163,25 @@ def test_every_number_is_the_same(name: str, tmp_path: Path) -> None:
 @needs_c
 @needs_clang
 @needs_cppcheck
-@pytest.mark.parametrize("precision", ["double", "single"])
 @pytest.mark.parametrize("name", MAKERS)
 def test_compilers_sanitizers_and_cppcheck_have_nothing_to_say(
-    name: str, precision: Any, tmp_path: Path
+    name: str, built: Any, tmp_path: Path
 ) -> None:
     """No address that is not its own, nothing undefined, no warning, also at NaN and far away.
 
-    The sanitizers see every step of code that is not optimized. What gcc warns of when it optimizes
-    would fail the tests that compare numbers, here and in ``test_single.py``.
+    What gcc warns of when it optimizes would fail the tests that compare numbers, here and in
+    ``test_single.py``. The code of single precision differs in its types and literals alone: of it
+    clang tells what it warns of, and it runs under the sanitizers before a release.
     """
-    robot = MAKERS[name](tmp_path)
-    code = c_code(robot, precision=precision, frames=some_frames(robot))
-    for compiler in COMPILERS:
-        checked_at_run_time(code, tmp_path, compiler, {"positions": robot.reference}, 30, "-O0")
-    code.write(tmp_path / "code")
-    check_statically(tmp_path / "code")
+    robot = built(name).robot
+    single = c_code(robot, name=name, precision="single", frames=some_frames(robot))
+    single.write(tmp_path / "single")
+    assert warnings_of("clang", tmp_path / "single") == ""
+    for code in (built(name).code, single)[: len(PRECISIONS)]:
+        folder = tmp_path / f"run_{code.precision.name}"
+        checked_at_run_time(code, folder, "clang", {"positions": robot.reference}, 30)
+        code.write(folder / "code")
+        check_statically(folder / "code")
 
 
 def test_the_functions_of_the_class_are_the_same(tmp_path: Path) -> None:
@@ -299,10 +330,9 @@ def _listed(header: str, title: str) -> list[str]:
 
 
 @pytest.mark.parametrize("name", MAKERS)
-def test_lists_of_the_header_are_the_order_and_size_of_arrays(name: str, tmp_path: Path) -> None:
+def test_lists_of_the_header_are_the_order_and_size_of_arrays(name: str, built: Any) -> None:
     """Also of robots with fewer motors than coordinates, or more, and of those that float."""
-    robot = MAKERS[name](tmp_path)
-    code = c_code(robot, name=name, frames=some_frames(robot))
+    robot, code, compiled_code = built(name)
     sizes = dict(re.findall(r"(\w+)\[(\d+)\](?=[,)])", code.header))
     positions = _listed(code.header, "Positions of coordinates")
     speeds = _listed(code.header, "Speeds, accelerations and forces") or positions
@@ -320,7 +350,7 @@ def test_lists_of_the_header_are_the_order_and_size_of_arrays(name: str, tmp_pat
     commanded = len(speeds) if robot.drives_coordinates else robot.commanded
     assert {int(count) for count in asked} == {len(speeds), commanded}
     # Each position is where the lists say that it is among the coordinates of all joints.
-    library, states = Library(code, compiled(code, tmp_path)), States(robot)
+    library, states = Library(code, compiled_code), States(robot)
     for _ in range(20):
         q, _, _ = states.next()
         library.call("reset")
@@ -393,6 +423,8 @@ def test_what_cannot_be_written_is_refused() -> None:
             c_code(thing)
     with pytest.raises(UnknownName, match="frame"):
         c_code(robot, frames=["nose"])
+    with pytest.raises(InvalidValue, match="name"):
+        c_code(robot, name=b"arm")  # type: ignore[arg-type]
     with pytest.raises(UnknownName, match="inverse_dynamics"):
         c_code(robot, functions=["dynamics"])
     with pytest.raises(InvalidValue, match="functions"):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -58,11 +59,11 @@ class Pair:
 
     def __init__(self, robot: Any, name: str, folder: Path) -> None:
         self.wide, self.narrow = (
-            Library(code, compiled(code, folder))
-            for code in (
-                c_code(robot, precision=precision, name=f"{name}_{precision}", frames=frames)
+            Library(code, compiled(code, folder, "gcc", optimized))
+            for code, optimized in (
+                (c_code(robot, precision=one, name=f"{name}_{one}", frames=frames), optimized)
                 for frames in [some_frames(robot)]
-                for precision in ("double", "single")
+                for one, optimized in (("double", "-O1"), ("single", "-O2"))
             )
         )
         self.functions = {
@@ -130,11 +131,23 @@ def _roundings(name: str, rows: list[list[Array]]) -> Array:
     return np.divide(errors, of_one, out=np.zeros_like(errors), where=errors > 0.0)
 
 
+@pytest.fixture(scope="module")
+def paired(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], tuple[Any, Pair]]:
+    """Return a function that makes a robot and its pair, once."""
+
+    @functools.cache
+    def pair(name: str) -> tuple[Any, Pair]:
+        folder = tmp_path_factory.mktemp(name)
+        robot = MAKERS[name](folder)
+        return robot, Pair(robot, name, folder)
+
+    return pair
+
+
 @pytest.mark.parametrize("name", MAKERS)
-def test_answers_are_off_by_no_more_than_roundings(name: str, tmp_path: Path) -> None:
+def test_answers_are_off_by_no_more_than_roundings(name: str, paired: Any) -> None:
     """On a path, from the last pose, and anywhere near the reference, from there."""
-    robot = MAKERS[name](tmp_path)
-    pair = Pair(robot, name, tmp_path)
+    robot, pair = paired(name)
     for far in (False, True):
         found: dict[str, list[list[Array]]] = {function: [] for function in pair.functions}
         pair.reset()
@@ -150,10 +163,10 @@ def test_answers_are_off_by_no_more_than_roundings(name: str, tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("name", MAKERS)
-def test_what_double_precision_refuses_is_refused(name: str, tmp_path: Path) -> None:
+def test_what_double_precision_refuses_is_refused(name: str, paired: Any) -> None:
     """Also far away, at NaN and infinity, but where a pose is singular within seven digits."""
-    robot = MAKERS[name](tmp_path)
-    pair, states, others = Pair(robot, name, tmp_path), States(robot), 0
+    robot, pair = paired(name)
+    states, others = States(robot), 0
     for _ in range(2 * STATES):
         q, v, a = states.next()
         pair.reset()

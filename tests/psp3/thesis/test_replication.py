@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import re
 import shutil
 import sys
+import time
 from collections.abc import Callable
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
@@ -24,13 +26,15 @@ import psp3
 from psp3 import published
 from psp3.cli import entry as cli
 from psp3.errors import InvalidValue, StudyMismatch
+from psp3.simulation.result import load_result
+from psp3.study import Study
 from psp3.study.execution import execute
 from psp3.study.run import Run
 from psp3.thesis import replication as module
 from psp3.thesis.findings import Reproduction, Table
 from psp3.thesis.plan import Plan
 from psp3.thesis.replication import reproduce
-from tests.processes import ENVIRONMENT, ROOT
+from tests.processes import ENVIRONMENT, ROOT, computed, program
 
 pytestmark = pytest.mark.slow
 
@@ -46,6 +50,10 @@ NAMES = {
     "ctc.npz",
     *(f"figures/{name}.svg" for name in FIGURES),
 }
+
+
+ODD = os.fsdecode(b'-it\'s "q" \xff\n[bold]$x$&amp;<b>#')
+"""The name of a folder with all that a shell, a terminal, a page or a figure may read otherwise."""
 
 
 class Job(NamedTuple):
@@ -108,7 +116,7 @@ def job(tmp_path_factory: pytest.TempPathFactory) -> Job:
         patch.setattr(Plan, "of", lambda seeds, quick=False: small)
         patch.setattr(module, "STEPS", 60)
         patch.setattr(module, "SLOW_STEPS", 60)
-        return run(tmp_path_factory.mktemp("reproduce") / "deep" / "folder")
+        return run(tmp_path_factory.mktemp("reproduce") / ODD / "folder")
 
 
 class Command(NamedTuple):
@@ -417,3 +425,36 @@ def test_a_study_of_other_runs_is_refused_first(tmp_path: Path) -> None:
     with pytest.raises(StudyMismatch, match="duration"):
         reproduce(tmp_path, quick=True, progress=lambda *step: seen.append(step))
     assert seen == []
+
+
+@pytest.mark.parametrize("moment", [1.0, 3.0])
+def test_ctrl_c_ends_the_command_within_a_second_and_leaves_whole_files(
+    moment: float, tmp_path: Path
+) -> None:
+    """Seconds are those that the process computes, on all cores that it may use."""
+    out = tmp_path / "results"
+    with program("reproduce", "--quick", "--out", out, folder=tmp_path) as psp3:
+        process, pid = psp3.process, psp3.process.pid or 0
+        while process.is_alive() and computed(pid) < moment:
+            time.sleep(0.01)
+        before = after = computed(pid)
+        psp3.interrupt()
+        while process.is_alive():
+            after = computed(pid)
+            time.sleep(0.01)
+        status, _, errors = psp3.end()
+    assert status == 130, errors
+    assert errors.splitlines()[-1] == "psp3: interrupted"
+    assert after - before < len(os.sched_getaffinity(0))
+    found = [file for file in out.rglob("*") if file.is_file()]
+    assert {str(file.relative_to(out)) for file in found} <= NAMES
+    for file in found:
+        if file.suffix == ".npz":
+            load_result(file)
+        elif file.suffix == ".sqlite":
+            Study(file).rows()
+        elif file.suffix == ".json":
+            json.loads(file.read_text(encoding="utf-8"))
+        else:
+            text = file.read_text(encoding="utf-8").rstrip()
+            assert text.endswith(f"</{file.suffix[1:]}>")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import re
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -331,7 +333,7 @@ def test_two_robots_stand_side_by_side_under_their_names(
     open_scene(browser, Scene(ROBOT).animate(dict(zip(names, (sagging, exact), strict=True))))
     browser.execute_script("seek(1.2); viewer.render()")
     labels = browser.execute_script(
-        "return labels.map(({element}) => [element.textContent, "
+        "return labels.map(({element}) => [element.firstChild.textContent, "
         "element.getBoundingClientRect().left, element.getBoundingClientRect().top])"
     )
     assert [label[0] for label in labels] == names
@@ -348,7 +350,30 @@ def test_two_robots_stand_side_by_side_under_their_names(
     assert pd_rows.mean() > ctc_rows.mean() + 5
     assert pd_columns.max() < ctc_columns.min()
     screenshot(browser, "pd_beside_ctc")
+    # Below each name its error. 1.2 s is a frame; what is shown is rounded.
+    shown = browser.execute_script("return labels.map(({readout}) => readout.textContent)")
+    for text, result in zip(shown, (sagging, exact), strict=True):
+        error = 1e3 * np.linalg.norm(result.tip[600] - result.desired.tip[600])
+        said = re.fullmatch(r"tip error (\d+\.\d+) mm", text)
+        assert said, text
+        assert float(said[1]) == pytest.approx(
+            error, abs=0.51 * 10.0 ** -len(said[1].partition(".")[2])
+        )
+    browser.execute_script("seek(0); viewer.render()")
+    assert browser.execute_script("return labels[0].readout.textContent") != shown[0]
     assert complaints(browser) == []
+
+
+def test_a_robot_without_a_tip_shows_the_error_of_its_joints(sagging: psp3.Result) -> None:
+    """Its tip is NaN, which no page could draw."""
+    nowhere = np.full_like(sagging.tip, np.nan)
+    without = dataclasses.replace(
+        sagging, tip=nowhere, desired=sagging.desired._replace(tip=nowhere)
+    )
+    drawn = Scene(ROBOT).animate(without)._commands.as_json()
+    assert "largest error of a joint" in drawn
+    assert "robots/0/visuals" in drawn
+    assert "robots/0/target" not in drawn
 
 
 @pytest.mark.parametrize("size", SIZES, ids=str)

@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from psp3.cli import options
-from tests.processes import program
+from psp3.errors import InvalidValue
+from tests.processes import ENVIRONMENT, program
 from tests.psp3.cli.answers import Run
 
 
@@ -70,6 +71,7 @@ def test_recorded_page_holds_the_controllers_or_the_trajectory(psp3_command: Run
     assert all(
         f'"text":"{name}"' in simulated for name in ("pd", "it2", "learned.json", "desired pose")
     )
+    assert simulated.count('"about":"tip error"') == 3
     assert "/meshcat/robots/2/ghost/" in simulated
     assert all(f"/meshcat/robots/0/{part}" in desired for part in ("actual", "visuals/a1"))
     assert "/ghost/" not in desired
@@ -78,7 +80,10 @@ def test_recorded_page_holds_the_controllers_or_the_trajectory(psp3_command: Run
 
 @pytest.mark.parametrize("options", [(), ("--heights", "0.02,0,-0.02")])
 def test_viewer_serves_until_interrupted(options: tuple[str, ...], tmp_path: Path) -> None:
-    with program("view", "--port", "7310", *options, folder=tmp_path) as psp3:
+    """And opens nothing if it is told so, though there is a browser."""
+    browser = {"BROWSER": f"touch {tmp_path}/opened"}
+    options = ("--no-browser", "--port", "7310", *options)
+    with program("view", *options, folder=tmp_path, environment=ENVIRONMENT | browser) as psp3:
         url = psp3.out.readline().split()[0]
         assert re.fullmatch(r"http://127\.0\.0\.1:\d+/", url)
         with urllib.request.urlopen(url) as page:
@@ -86,6 +91,25 @@ def test_viewer_serves_until_interrupted(options: tuple[str, ...], tmp_path: Pat
         psp3.interrupt()
         status, _, err = psp3.end()
     assert (status, err.strip()) == (0, "")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_viewer_opens_its_page_in_the_browser(
+    psp3_command: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """When it is served already: the browser finds it at once. Here it also presses Ctrl-C."""
+    opened = []
+
+    def open_and_interrupt(url: str) -> bool:
+        with urllib.request.urlopen(url) as page:
+            opened.append((url, page.status))
+        raise KeyboardInterrupt
+
+    monkeypatch.setenv("DISPLAY", ":0")
+    monkeypatch.setattr("webbrowser.open", open_and_interrupt)
+    answer = psp3_command("view", "--duration", 0.2, "--port", 7320)
+    assert answer.status == 0
+    assert opened == [(answer.out.split()[0], 200)]
 
 
 def test_a_page_is_not_written_under_the_name_of_a_picture(psp3_command: Run) -> None:
@@ -96,7 +120,24 @@ def test_a_page_is_not_written_under_the_name_of_a_picture(psp3_command: Run) ->
 
 
 def test_page_of_another_robot(psp3_command: Run) -> None:
-    answer = psp3_command("view", "delta", "--trajectory", "sway", "--record", "delta.html")
+    """It sways, in whole turns."""
+    answer = psp3_command("view", "delta", "--record", "delta.html")
     assert answer == (0, "delta.html\n", "")
-    assert "delta" in Path("delta.html").read_text()
+    page = Path("delta.html").read_text()
+    assert "<title>delta</title>" in page
+    seconds = [float(time) for time in re.findall(r'"times":\[0.0,.*?([\d.]+)\]', page)]
+    assert set(seconds) == {10.0}
+
+
+def test_a_robot_that_cannot_sway_is_shown_at_rest(
+    psp3_command: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(**given: object) -> None:
+        raise InvalidValue("amplitude", None, "given: it can hardly move")
+
+    monkeypatch.setattr("psp3.trajectories.sway.Sway", refuse)
     assert psp3_command("view", "five_bar", "--record", "rest.html").status == 0
+    assert '"animations":[]' in Path("rest.html").read_text()
+    answer = psp3_command("view", "five_bar", "--trajectory", "sway", "--record", "none.html")
+    assert answer.status != 0
+    assert "hardly move" in answer.err

@@ -1,0 +1,1 @@
+"""Everything that a release needs short of publishing it: ``make release-check``."""
