@@ -159,7 +159,8 @@ NUMBERS = ("zero", "negative", "huge")
 TAKES: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("csv", "file", "out"), A_NAME),
     **dict.fromkeys(("ki", "kp", "kv"), ("zero", "huge")),
-    **dict.fromkeys(OF_MOTIONS, NUMBERS),
+    **dict.fromkeys((*OF_MOTIONS, "azimuth", "height", "tilt"), NUMBERS),
+    "name": ("letters", "NaN", "infinite", "overflow", "zero", "huge", "garbage", "folder"),
     "seed": ("zero", "huge"),
     "torque_limit": ("huge",),
     "snr": ("zero", "negative", "huge", "infinite", "overflow", "5000 digits"),
@@ -177,8 +178,8 @@ TAKES: dict[str, tuple[str, ...]] = {
         ("zero", "huge"),
     ),
 }
-"""By the name of an option, what is no mistake there: files that are written may have any name, and
-motions any size that the robot can make.
+"""By the name of an option, what is no mistake there: files that are written may have any name, what
+is written in C any that is a word, and motions any size that the robot can make.
 """
 
 DOORS = (
@@ -290,7 +291,7 @@ def fault(option: Option, kind: str, value: str) -> str:
         return "" if kind in TAKES.get(option.name, ()) else f"taken: {out[-200:]}"
     if isinstance(status, BaseException):
         return f"{type(status).__name__}: {str(status)[:200]}"
-    if option.command in REPORTS:
+    if option.command in REPORTS and out:
         is_told = status == 2 and "refused" in out and not err
         return "" if is_told else f"status {status}, {out[:100]!r}, {err[:300]!r}"
     if status != 2 or out:
