@@ -178,8 +178,8 @@ TAKES: dict[str, tuple[str, ...]] = {
         ("zero", "huge"),
     ),
 }
-"""By the name of an option, what is no mistake there: files that are written may have any name, what
-is written in C any that is a word, and motions any size that the robot can make.
+"""By the name of an option, what is no mistake there: files that are written may have any name,
+what is written in C any that is a word, and motions any size that the robot can make.
 """
 
 DOORS = (
