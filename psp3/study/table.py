@@ -128,7 +128,7 @@ class Table(Sequence[Row]):
         for name, given in selection.items():
             wanted = set(values_of_field(name, given))
             if name == "seed":
-                keep &= np.isin(self.seeds, np.array(list(wanted), dtype=self.seeds.dtype))
+                keep &= np.isin(self.seeds, [seed for seed in wanted if isinstance(seed, int)])
             else:
                 fits = np.array([value in wanted for value in self.settings.column(name)], bool)
                 keep &= fits[self.setting]

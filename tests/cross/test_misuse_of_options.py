@@ -21,6 +21,7 @@ import pytest
 import typer
 
 from psp3.cli import entry as cli
+from psp3.cli.app import app
 from tests.misuse import PARTS, sample
 
 WRONG = {
@@ -158,7 +159,8 @@ NUMBERS = ("zero", "negative", "huge")
 TAKES: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("csv", "file", "out"), A_NAME),
     **dict.fromkeys(("ki", "kp", "kv"), ("zero", "huge")),
-    **dict.fromkeys(OF_MOTIONS, NUMBERS),
+    **dict.fromkeys((*OF_MOTIONS, "azimuth", "height", "tilt"), NUMBERS),
+    "name": ("letters", "NaN", "infinite", "overflow", "zero", "huge", "garbage", "folder"),
     "seed": ("zero", "huge"),
     "torque_limit": ("huge",),
     "snr": ("zero", "negative", "huge", "infinite", "overflow", "5000 digits"),
@@ -176,8 +178,8 @@ TAKES: dict[str, tuple[str, ...]] = {
         ("zero", "huge"),
     ),
 }
-"""By the name of an option, what is no mistake there: files that are written may have any name, and
-motions any size that the robot can make.
+"""By the name of an option, what is no mistake there: files that are written may have any name,
+what is written in C any that is a word, and motions any size that the robot can make.
 """
 
 DOORS = (
@@ -229,7 +231,7 @@ class Option(NamedTuple):
 
 def options() -> Iterator[Option]:
     """Yield every option and argument that takes a value."""
-    root: Any = typer.main.get_command(cli.app)
+    root: Any = typer.main.get_command(app)
     for name, command in root.commands.items():
         singles = getattr(command, "commands", None)
         found = {f"{name} {one}": it for one, it in singles.items()} if singles else {name: command}
@@ -289,7 +291,7 @@ def fault(option: Option, kind: str, value: str) -> str:
         return "" if kind in TAKES.get(option.name, ()) else f"taken: {out[-200:]}"
     if isinstance(status, BaseException):
         return f"{type(status).__name__}: {str(status)[:200]}"
-    if option.command in REPORTS:
+    if option.command in REPORTS and out:
         is_told = status == 2 and "refused" in out and not err
         return "" if is_told else f"status {status}, {out[:100]!r}, {err[:300]!r}"
     if status != 2 or out:
@@ -350,11 +352,11 @@ def test_what_is_wrong_is_seen(folder: Path, monkeypatch: pytest.MonkeyPatch) ->
     option = Option("pose", "height", "pose --height {}")
 
     def with_app(error: Exception | None) -> str:
-        def app(**_: object) -> None:
+        def broken(**_: object) -> None:
             if error is not None:
                 raise error
 
-        monkeypatch.setattr(cli, "app", app)
+        monkeypatch.setattr(cli, "app", broken)
         return fault(option, "letters", "abc")
 
     assert with_app(None).startswith("taken")

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from psp3.robots.closed_loop_robot import ClosedLoopRobot
     from psp3.trajectories.screw_forces import ScrewForces
 
+MOST_SAMPLES = 10**7
+"""More do not fit into memory with all that is told of each."""
+
 
 @single_options
 def torques(
@@ -41,13 +44,14 @@ def torques(
     which = robot.load()
     import numpy as np
 
-    from psp3.checks import checked_positive
+    from psp3.checks import check_periods, checked_positive
     from psp3.trajectories.screw_forces import screw_forces
 
     for name, value in (("duration", motion.duration), ("sampling period", sampling_period)):
         if value is not None:
             checked_positive(name, value)
     desired, seconds, name_of_motion = trajectory_from_options(which, trajectory, motion)
+    check_periods(seconds, sampling_period, MOST_SAMPLES)
     # The small excess keeps rounding from losing the last sample.
     times = sampling_period * np.arange(int(seconds / sampling_period * (1.0 + 1e-12) + 1e-9) + 1)
     forces = screw_forces(

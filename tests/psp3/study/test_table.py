@@ -68,7 +68,8 @@ def test_selection_is_that_of_the_rows() -> None:
     assert list(table.select(mean_variation=None)) == [
         row for row in ROWS if row["mean_variation"] is None
     ]
-    assert list(table.select(seed=np.int64(2))) == list(table.select(seed=2)) != []
+    of_numpy: Any = np.int64(2)
+    assert list(table.select(seed=of_numpy)) == list(table.select(seed=2)) != []
     assert list(table.select(seed=10**6)) == []
     with pytest.raises(InvalidValue, match="seed must be an integer, got 'two'"):
         table.select(seed="two")
