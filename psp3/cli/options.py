@@ -152,7 +152,7 @@ def folder_path(text: str) -> Path:
     """Refuse a folder that is a file."""
     path = file_path(text)
     if path.exists() and not path.is_dir():
-        raise typer.BadParameter(f"{text} is no directory")
+        raise typer.BadParameter(f"{text} is no directory: name a directory")
     return path
 
 

@@ -91,7 +91,7 @@ WRONG_CALLS = tuple(
         ("simulate --trained none.json", "none.json", "correct its name"),
         ("simulate --trajectory csv:none.csv", "none.csv", "correct its name"),
         ("train out.json --record here.csv", "here.csv", "the first line must name the columns"),
-        ("reproduce --out here.csv", "'here.csv'", "name a directory"),
+        ("reproduce --out here.csv", "here.csv", "name a directory"),
         ("simulate --json --csv -", "--csv -", "give --csv a file"),
     )
 )

@@ -114,7 +114,7 @@ def test_trained_controller_from_its_file(
         (("delta", "--torque-limit", "1,2"), "--torque-limit 1,2 has 2 numbers; 3 are needed"),
         (("delta", "--torque-limit", "-1"), "are not positive numbers"),
         (("delta", "--motor-inertia", "1"), "lead must be given where the motor has inertia"),
-        (("delta", "--coulomb-friction", "-1"), "coulomb_friction must be"),
+        (("delta", "--coulomb-friction", "-1"), "--coulomb-friction must be"),
         (("delta", "--fmi", "1.0"), "'1.0' is not one of"),
         (("delta", "--actuated", "nobody"), "the robot has no joint 'nobody'"),
         (("psp3", "--free", "lock"), "--free does not apply to the 3-PSP"),

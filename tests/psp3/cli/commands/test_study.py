@@ -167,7 +167,7 @@ def test_csv_holds_every_run(study: Run) -> None:
         ("--seeds 0", "--seeds"),
         ("--seeds many", "--seeds"),
         ("--snr loud", "--snr"),
-        ("--snr nan", "snr_db must be a number of decibels"),
+        ("--snr nan", "--snr must be a number"),
         ("--controller t3", "unknown controller 't3'; known are feed-forward, pd"),
         ("--reading hearsay", "unknown reading 'hearsay'"),
         ("--trajectory spiral", "unknown trajectory 'spiral'"),
@@ -182,7 +182,7 @@ def test_csv_holds_every_run(study: Run) -> None:
             "--scheduler somewhere",
             "scheduler must be an address such as tcp://host:8786, got 'somewhere'",
         ),
-        ("--csv study.sqlite", "--csv would overwrite FILE"),
+        ("--csv study.sqlite", "study.sqlite: the name of a table must end in .csv"),
         ("--csv nowhere/table.csv", "there is no directory nowhere"),
     ],
 )
@@ -197,6 +197,13 @@ def test_wrong_input_is_one_clear_line_and_no_run_is_done(
     assert len([line for line in err.splitlines() if not line.startswith("[0/")]) == 1
     # Only a scheduler is looked for when the file is there already.
     assert not Path("study.sqlite").exists() or "somewhere" in arguments
+
+
+def test_a_table_does_not_overwrite_the_study(study: Run) -> None:
+    status, _, err = study("--csv", "study.csv", file="study.csv")
+    assert status == 2
+    assert "--csv would overwrite FILE" in err
+    assert not Path("study.csv").exists()
 
 
 @pytest.mark.parametrize(
