@@ -22,8 +22,8 @@ TEMPLATES = (
     "You need Linux, Python {python} or newer, make and pip.",
     (
         "For the robots of the thesis the mass matrix, the velocity forces and gravity agree with "
-        "those of MuJoCo, projected on the loops, to {bars/mujoco} of the largest entry in "
-        "{bars/mujoco states} random states."
+        "those of MuJoCo, projected on the motions that the loops allow, to {bars/mujoco} of the "
+        "largest entry in {bars/mujoco states} random states."
     ),
     (
         "Type-2 is better under {derived/better under} of {derived/definitions} definitions of "
