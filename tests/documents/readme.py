@@ -22,13 +22,13 @@ TEMPLATES = (
     "You need Linux, Python {python} or newer, make and pip.",
     (
         "For the robots of the thesis the mass matrix, the velocity forces and gravity agree with "
-        "those of MuJoCo, projected on the loops, to {bars/mujoco} of the largest entry in "
-        "{bars/mujoco states} random states."
+        "those of MuJoCo, projected on the motions that the loops allow, to {bars/mujoco} of the "
+        "largest entry in {bars/mujoco states} random states."
     ),
     (
         "Type-2 is better under {derived/better under} of {derived/definitions} definitions of "
-        '"noise of S dB", and worse in {derived/worse cells} of {derived/other cells} cases of '
-        "the other four."
+        '"noise of S dB". Under the other four it is worse in {derived/worse cells} of '
+        "{derived/other cells} cases."
     ),
     (
         "the error of type-1 falls to {derived/averaged/least:%.0f} to "
@@ -53,8 +53,8 @@ TEMPLATES = (
     "Bars of the error of {board/entries} controllers on three robots",
     "ranks your way to learn a robot's dynamics among {board/entries} others,",
     (
-        "has {board/learner/times} times the error of the best that knows the model (95 % "
-        "interval {board/learner/low} to {board/learner/high}):"
+        "has {board/learner/times} times the error of the best controller that knows the model "
+        "(95 % interval {board/learner/low} to {board/learner/high}):"
     ),
 )
 
@@ -65,7 +65,8 @@ def comparisons(sources: Mapping[str, Any]) -> list[tuple[str, bool]]:
     board = sources["board"]
     return [
         (
-            "Under the definition that we take, which favors type-2, its error is smaller:",
+            "Under the definition that we use, which favors type-2, the error of type-2 is "
+            "smaller:",
             all(table[level]["ratio"]["high"] < 1.0 for level in LEVELS),
         ),
         (
@@ -77,7 +78,7 @@ def comparisons(sources: Mapping[str, Any]) -> list[tuple[str, bool]]:
             sources["derived"]["least times"] > sources["verdict"]["same order"],
         ),
         (
-            "The best that learns, a fuzzy system that adapts while it controls",
+            "The best learner, a fuzzy system that adapts while it controls",
             board["learner"]["entry"] == "adaptive",
         ),
     ]
