@@ -33,7 +33,7 @@ TYPICAL_RATIO = 0.45
 class Case(NamedTuple):
     """Lognormal pairs: their number, and standard deviations and correlation of logarithms.
 
-    Those of the sums of squared errors for type-1 and type-2, seed by seed.
+    Those of the sums of squared errors of type-1 and type-2, seed by seed.
     """
 
     pairs: int
@@ -77,8 +77,8 @@ The pairs are lognormal. Logarithms of the sums of squared errors have these sta
   pairs, so here its row differs from 95 % only by chance. In general it needs logarithms that are
   nearly normal. Use it to ask which controller is better with the same noise.
 - **Ratio of means**, `ratio_of_means`: the error of one controller in all runs together, divided
-  by that of the other. Runs with large errors decide it. It is a different number: with the pairs of
-  20 dB it is {ratio:.2f}, and the ratio of geometric means is {typical:.2f}. An interval
+  by that of the other. Runs with large errors decide it. It is a different number: with the pairs
+  of 20 dB it is {ratio:.2f}, and the ratio of geometric means is {typical:.2f}. An interval
   of one is not an interval of the other.
 - **Mean** and **difference of means**: the interval is a symmetric bootstrap-t (P. Hall, 1988).
   The distance of each resample from the estimate is measured in the standard error of the resample.
@@ -87,10 +87,10 @@ The pairs are lognormal. Logarithms of the sums of squared errors have these sta
   most intervals of a mean that miss the true value lie below it.
 - **Median**: the interval lies between percentiles of the bootstrap.
 
-Intervals of means and differences with ten seeds contain the true value in less than 95 % of cases. For
-numbers that are more skewed than these pairs, such as a metric with single runs that nearly
-diverge, expect still less. If you can choose, take thirty seeds and the ratio of geometric means.
-All intervals leave out runs that diverged; their share is printed beside them.
+Intervals of means and differences with ten seeds contain the true value in less than 95 % of
+cases. For numbers that are more skewed than these pairs, such as a metric with single runs that
+nearly diverge, expect still less. If you can choose, take thirty seeds and the ratio of geometric
+means. All intervals leave out runs that diverged; their share is printed beside them.
 """
 
 
