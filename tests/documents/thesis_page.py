@@ -31,11 +31,11 @@ TEMPLATES = (
         "else), less the seeds with which a run diverged."
     ),
     (
-        "**Intervals of 95 %** of {seeds/table_6_3} seeds held the true value in "
+        "**Intervals of 95 %** of {seeds/table_6_3} seeds contained the true value in "
         "{derived/coverage/30 seeds/least:%.0f} to {derived/coverage/30 seeds/most:%.0f} % of "
-        "simulated sets like ours, of {seeds/sweeps} seeds in "
-        "{derived/coverage/10 seeds/least:%.1f} to {derived/coverage/10 seeds/most:%.1f} % "
-        "([each kind of interval])."
+        "simulated sets like ours, those of {seeds/sweeps} seeds in {derived/coverage/10 "
+        "seeds/least:%.1f} to {derived/coverage/10 seeds/most:%.1f} % ([each kind of "
+        "interval])."
     ),
     (
         'speaks of "a {printed/noise of Figure 51:%.0f}% noise in the system parameters", which '
@@ -356,22 +356,23 @@ TEMPLATES = (
         "{table_6_3/fuzzy/∞/t1/mean/value:.3f} m²."
     ),
     (
-        "**What type-2 could gain at best.** Under each definition the mean variation with the "
-        "least error was picked, out of {settings/suited/0:g}, {settings/suited/1:g}, "
-        "{settings/suited/2:g}, {settings/suited/3:g} and {settings/suited/4:g} of the range, on "
-        "the seeds that it is then judged by."
+        "**What type-2 could gain at best.** For each definition we picked the mean variation "
+        "with the least error, out of {settings/suited/0:g}, {settings/suited/1:g}, "
+        "{settings/suited/2:g}, {settings/suited/3:g} and {settings/suited/4:g} of the range, "
+        "on the same seeds on which it is then judged."
     ),
     (
-        "Where type-2 wins it is the largest, {definitions/mean square of each entry (taken "
-        "here)/20/best_mean_variation:g}, and the ratio falls to {definitions/mean square of each"
-        " entry (taken here)/20/best_ratio/value:.2f}, {definitions/mean square of each entry "
-        "(taken here)/15/best_ratio/value:.2f} and {definitions/mean square of each entry (taken "
-        "here)/10/best_ratio/value:.2f}, with intervals that include one at 15 and 10 dB, which "
-        "those of geometric means do not;"
+        "Where type-2 wins, the best one is the largest, {definitions/mean square of each "
+        "entry (taken here)/20/best_mean_variation:g}, and the ratio falls to "
+        "{definitions/mean square of each entry (taken here)/20/best_ratio/value:.2f}, "
+        "{definitions/mean square of each entry (taken here)/15/best_ratio/value:.2f} and "
+        "{definitions/mean square of each entry (taken here)/10/best_ratio/value:.2f}, with "
+        "intervals that include one at 15 and 10 dB; those of geometric means never include "
+        "one."
     ),
     (
-        "type-1 with wide terms leaves {derived/wide share/20:.2f}, {derived/wide share/15:.2f} "
-        "and {derived/wide share/10:.2f} of plain type-1's."
+        "Type-1 with wide terms leaves {derived/wide share/20:.2f}, {derived/wide "
+        "share/15:.2f} and {derived/wide share/10:.2f} of the error of plain type-1."
     ),
     (
         "under the product they fail by {asserted "
@@ -551,22 +552,22 @@ def comparisons(sources: Mapping[str, Any]) -> list[tuple[str, bool]]:
             ),
         ),
         (
-            "with intervals that include one at 15 and 10 dB, which those of geometric means do "
-            "not",
+            "with intervals that include one at 15 and 10 dB; those of geometric means never "
+            "include one",
             [one for one in levels if ours[one]["best_ratio"]["high"] > 1.0] == ["15", "10"]
             and all(
                 entry["best_ratio_of_geometric_means"]["high"] < 1.0 for entry in ours.values()
             ),
         ),
         (
-            "Where type-2 wins it is the largest",
+            "Where type-2 wins, the best one is the largest",
             all(
                 entry["best_mean_variation"] == max(sources["settings"]["suited"])
                 for entry in ours.values()
             ),
         ),
         (
-            "Elsewhere the smallest is best, but for one case",
+            "Elsewhere the smallest is best, except in one case",
             sum(variation != min(sources["settings"]["suited"]) for variation in best) == 1,
         ),
     ]
