@@ -64,15 +64,20 @@ class Nothing(NamedTuple):
 class Level(NamedTuple):
     """An α-plane that is a system of its own, with its share in the outputs, and those below it.
 
-    ``defaults`` (m,) are its outputs where no rule fires; NaN for none. ``is_lowest`` is 1 where
-    there are none below it.
+    ``is_lowest`` is 1 where there are none below it.
     """
 
     below: Any
     system: Any
     share: float
-    defaults: Array
     is_lowest: int
+
+
+class Defaulted(NamedTuple):
+    """A system whose outputs are ``defaults`` (m,) where it has none; NaN for no default."""
+
+    system: Any
+    defaults: Array
 
 
 class Clouds(NamedTuple):
@@ -283,8 +288,7 @@ def _of_level(system, x, out):
     below = outputs_of(system.below, x, out)
     done = outputs_of(system.system, x, middles)
     for j in range(out.size):
-        middle = system.defaults[j] if math.isnan(middles[j]) else middles[j]
-        out[j] += system.share * middle
+        out[j] += system.share * middles[j]
     return below and done
 
 
@@ -293,11 +297,29 @@ def _ends_of_level(system, x, ends):
     """Write the ends on the lowest α-plane."""
     if system.is_lowest == 0:
         return intervals_of(system.below, x, ends)
-    done = intervals_of(system.system, x, ends)
-    for j in range(ends.size):
-        if math.isnan(ends[j]):
-            ends[j] = system.defaults[j // 2]
+    return intervals_of(system.system, x, ends)
+
+
+@outputs_of.register(Defaulted)
+def _of_defaulted(system, x, out):
+    """Write the outputs, or what stands for them."""
+    done = outputs_of(system.system, x, out)
+    for j in range(out.size):
+        if math.isnan(out[j]):
+            out[j] = system.defaults[j]
     return done
+
+
+@intervals_of.register(Defaulted)
+def _ends_of_defaulted(system, x, ends):
+    """Write the ends, or what stands for them where an output has no answer on some α-plane."""
+    out = np.empty(ends.size // 2)
+    answered = outputs_of(system.system, x, out)
+    done = intervals_of(system.system, x, ends)
+    for j in range(out.size):
+        if math.isnan(out[j]) and not math.isnan(system.defaults[j]):
+            ends[2 * j] = ends[2 * j + 1] = system.defaults[j]
+    return done and answered
 
 
 @outputs_of.register(Clouds)

@@ -17,6 +17,7 @@ from fuzzy2.export.system_kernels import (
     Averaged,
     Clouds,
     Corollary,
+    Defaulted,
     Level,
     Nothing,
     Pair,
@@ -220,17 +221,16 @@ def _of_general(system: GeneralType2System) -> Any:
         return Corollary(table, middles.ravel(), spreads.ravel(), product)
     if table is not None and system.in_one_loop:
         return Planes(table, system.widths, system.alphas)
-    defaults = np.full(system.n_outputs, np.nan)
-    if system.default_outputs is not None:
-        defaults = np.array(system.default_outputs)
     levels: Any = Nothing(0.0)
     for share, plane in system.explained_by:
         try:
             tables = tables_of(plane)
         except NotExportable as error:
             raise refusal_of_planes(system, error) from error
-        levels = Level(levels, tables, share, defaults, int(isinstance(levels, Nothing)))
-    return levels
+        levels = Level(levels, tables, share, int(isinstance(levels, Nothing)))
+    if system.default_outputs is None:
+        return levels
+    return Defaulted(levels, np.array(system.default_outputs))
 
 
 def _about(system: Any, precision: str) -> list[str]:

@@ -16,8 +16,8 @@ TEMPLATES = (
         )
         for level in LEVELS
     ),
-    "the license is {license}",
-    "the version of this source is {version}",
+    "the license of the code is {license}",
+    "Badge: {version} is the version of this source code",
     "Badge: Python {python} or newer is needed to run it",
     "You need Linux, Python {python} or newer, make and pip.",
     (

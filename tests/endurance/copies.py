@@ -307,6 +307,10 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
 }
 
 
+NO_NUMBERS = ("_spare", "_kernels", "_is_compiled", "_partly")
+"""Attributes that hold room for answers, and what is compiled, which each copy does by itself."""
+
+
 def numbers_in(thing: Any, seen: frozenset[int] = frozenset()) -> Any:
     """Return all numbers and words that an object holds, as plain data that can be compared."""
     if id(thing) in seen:
@@ -330,7 +334,7 @@ def numbers_in(thing: Any, seen: frozenset[int] = frozenset()) -> Any:
     return {
         name: numbers_in(value, within)
         for name, value in sorted(getattr(thing, "__dict__", {}).items())
-        if name != "_spare" and not isinstance(_of_class(thing, name), functools.cached_property)
+        if name not in NO_NUMBERS and not isinstance(_of_class(thing, name), functools.cached_property)
     }
 
 
