@@ -22,11 +22,11 @@ HEAD = """# Benchmarks
 Versions: {versions}.*
 
 Times depend on the machine and on what else runs on it. The functions of a table were timed in \
-turn, in many short samples, and the tables
-have the medians. So a slow machine slows all of them alike: compare times within a table, not \
-with those of another machine. "Empty compiled
-call" is the cost of any compiled call from Python, before anything is computed. To measure on \
-your own machine, run
+turn, in many short samples, and the tables give
+the medians. So a slow machine slows all functions of a table alike. Compare times within a \
+table, not with those of another machine. "Empty
+compiled call" is the cost of any compiled call from Python, before anything is computed. To \
+measure on your own machine, run
 
 ```sh
 make bench && python docs/make_benchmarks.py
@@ -35,28 +35,31 @@ make bench && python docs/make_benchmarks.py
 
 ROBOT = """## The robot
 
-Each row is one call from Python at one state. "Tree only" means that Pinocchio or MuJoCo computes \
-the same tree without closing the loops.
-The other two implementations of the equation of motion are for comparison and not for speed: they \
-close the loops by iteration from home, in
-NumPy.
+Each row is one call from Python at one state. "Tree only" means that Pinocchio or MuJoCo \
+computes the same tree without closing the loops. The
+rows "Pinocchio path" and "NOC" (natural orthogonal complement) are our other two implementations \
+of the equation of motion. They are for
+comparison and not for speed: they close the loops by iteration from home, in NumPy.
 
 {table}
 
 A simulation of 10 s at 2 ms with Runge–Kutta steps takes {simulations}.
 
-The next table has the time of inverse dynamics for each state of a batch. "State by state" uses \
-the kernel of single calls. "Many states" uses
+The next table gives the time of inverse dynamics for each state of a batch. "State by state" \
+uses the kernel of single calls. "Many states" uses
 a kernel that computes several states in one instruction, on one core, or on all {cores} where \
-that pays. CPU time is the sum over all threads.
+that is faster. CPU time is the sum over all
+threads.
 
 {batches}
 """
 
 CONTROLLER = """## One control step
 
-One call of `torque`, from Python, at one state on the helix. The last column is the share of the \
-control period of 2 ms.
+Each row is one call of `torque` from Python, at one state on the helix. The last column is the \
+share of the control period of 2 ms. CTC is
+computed torque; t1, it2 and gt2 are fuzzy computed torque of type 1, interval type 2 and general \
+type 2.
 
 {table}
 
@@ -68,8 +71,8 @@ Whole runs of 10 s in a study, learning included, on one core: {runs}.
 
 FUZZY = """## Type-2 inference
 
-The system has 4 inputs with 2 Gaussian terms each, 16 rules, 21 outputs, and center of sets. \
-Other libraries that could be imported solve the
+The system has 4 inputs with 2 Gaussian terms each, 16 rules, 21 outputs, and center of sets. If \
+other libraries are installed, they solve the
 same system, with equal outputs.
 
 {table}
@@ -84,28 +87,28 @@ Time of an exact centroid of an interval type-2 set on a grid, by the number of 
 
 A batch takes {bytes} bytes of memory for each item beyond its inputs. `import fuzzy2` adds \
 {seconds} to `import numpy`, because nothing is
-imported before it is used. With a first centroid it adds {first}.
+imported before it is used. The import together with a first centroid adds {first}.
 """
 
 
 GENERAL = """## Robots with loops in general
 
-The table has the CPU time of one call from Python near the reference pose. Positions move by \
+The table gives the CPU time of one call from Python near the reference pose. Positions move by \
 0.2 mm or mrad from call to call. The 3-PSP is
 computed without its closed form. Our functions close the loops to rounding error in every call, \
 starting from the reference pose or from the
 pose of the call before. MuJoCo has loops as soft constraints, exported as on the page \
-[engines](engines.md). Drake, where it is installed, takes
+[engines](engines.md). Drake, if it is installed, takes
 one step of 2 ms with its loops in the contact solver. Pinocchio's `constraintDynamics` gets a \
 pose that is already closed.
 
 {robots}
 
-Over the robots `inverse_dynamics` takes {inverse} × and `forward_dynamics` {forward} × what \
-`mj_forward` takes (geometric means, from the
+As a geometric mean over the robots, `inverse_dynamics` takes {inverse} × and `forward_dynamics` \
+{forward} × the time of `mj_forward` (from the
 pose before).
 
-The next table has chains of five-bars, each on the tip of the one before:
+The next table is for chains of five-bars, each mounted on the tip of the one before:
 
 {chains}
 

@@ -61,36 +61,36 @@ TEXT = """# How far to trust a 95 % interval
 
 *Written by `docs/make_intervals.py`; do not edit.*
 
-Errors of runs are skewed: most are small, some are large. A 95 % interval that was made for
-normal numbers, or for many numbers, contains the true value less often than it says. Every
+Errors of runs are skewed: most are small, some are large. A 95 % interval that assumes normally
+distributed numbers, or many of them, contains the true value less often than it claims. Every
 `Estimate` of `psp3.study.statistics` names what it estimates (`estimand`) and how its interval was
 found (`method`). The table says how often these intervals contained the true value in {sets}
 simulated sets of pairs like those of the study. Each share is uncertain by {error:.1f} %.
 
 {table}
 
-The pairs are lognormal. Logarithms of the sums of squared errors have the standard deviations
+The pairs are lognormal. Logarithms of the sums of squared errors have these standard deviations:
 {cases}. True values are known by formula.
 
 - **Ratio of geometric means**, `ratio_of_geometric_means`: by what factor one controller changes
   the error of a typical run. Student's interval of the logarithms by seed is exact for lognormal
-  pairs, so here its row shows only chance. It needs logarithms that are nearly normal. Use
-  it to ask which controller is better with the same noise.
-- **Ratio of means**, `ratio_of_means`: how much error one controller has in all runs together,
-  over the other. Runs with large errors decide. This is another number: with the pairs of
-  20 dB it is {ratio:.2f}, and that of geometric means {typical:.2f}. An interval of one is not
-  an interval of the other.
-- **Mean** and **difference of means**: the interval is a symmetric bootstrap-t (P. Hall, 1988):
-  the distances of resamples from the estimate are measured in their own standard errors, and the
-  half-width is what 95 % of them do not exceed, whatever their sign. Means and ratios of positive
-  numbers are treated on logarithms. The misses are not symmetric: most intervals of a mean that
-  miss it lie below it.
-- **Median**: percentiles of the bootstrap.
+  pairs, so here its row differs from 95 % only by chance. In general it needs logarithms that are
+  nearly normal. Use it to ask which controller is better with the same noise.
+- **Ratio of means**, `ratio_of_means`: the error of one controller in all runs together, divided
+  by that of the other. Runs with large errors decide it. It is a different number: with the pairs
+  of 20 dB it is {ratio:.2f}, and the ratio of geometric means is {typical:.2f}. An interval
+  of one is not an interval of the other.
+- **Mean** and **difference of means**: the interval is a symmetric bootstrap-t (P. Hall, 1988).
+  The distance of each resample from the estimate is measured in the standard error of the resample.
+  The half-width is the distance that 95 % of the resamples do not exceed in either direction. For
+  means and ratios of positive numbers this is done with logarithms. The misses are not symmetric:
+  most intervals of a mean that miss the true value lie below it.
+- **Median**: the interval lies between percentiles of the bootstrap.
 
-Intervals of means and differences with ten seeds contain the true value in less than 95 %. For
-numbers that are more skewed than these pairs, such as a metric with single runs that nearly
-diverge, expect still less. If you can choose, take thirty seeds and the ratio of geometric means.
-All intervals leave out runs that diverged; their share is printed beside them.
+Intervals of means and differences with ten seeds contain the true value in less than 95 % of
+cases. For numbers that are more skewed than these pairs, such as a metric with single runs that
+nearly diverge, expect still less. If you can choose, take thirty seeds and the ratio of geometric
+means. All intervals leave out runs that diverged; their share is printed beside them.
 """
 
 
@@ -146,7 +146,7 @@ def main() -> None:
         shares = " | ".join(f"{100.0 * found[name][estimate]:.1f} %" for name in CASES)
         lines.append(f"| {estimate} | {estimated(*sample).method} | {shares} |")
     cases = [
-        f"{case.spreads[0]} of type-1 and {case.spreads[1]} of type-2 with the correlation "
+        f"{case.spreads[0]} for type-1 and {case.spreads[1]} for type-2, with the correlation "
         f"{case.correlation} from seed to seed at {name.partition(',')[0]}"
         for name, case in CASES.items()
         if case.pairs == 30

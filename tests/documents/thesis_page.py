@@ -10,15 +10,16 @@ from tests.documents.sources import OTHER_PATHS, beaten_on, rises, rises_beyond_
 TEMPLATES = (
     (
         "**Error** is the sum over time of the squared errors of the three screws [m²], one "
-        "sample every {settings/sampling_period} s of a run of {settings/duration} s on a helix "
-        "of radius {settings/radius:mm.0f} mm, {settings/turn:g} s a turn, rising "
-        "{settings/rise:mm.0f} mm/s, started at rest, with control at "
+        "sample every {settings/sampling_period} s of a run of {settings/duration} s on a "
+        "helix of radius {settings/radius:mm.0f} mm, {settings/turn:g} s a turn, rising "
+        "{settings/rise:mm.0f} mm/s, started at rest, with a control period of "
         "{settings/control_period:ms.0f} ms."
     ),
     (
-        "even so type-1's inputs are within what was learned in only "
+        "Even so, the inputs of type-1 are within the learned range in only "
         "{table_6_3/fuzzy/∞/t1/coverage:%.0f} % of its steps without noise, and in "
-        "{table_6_3/fuzzy/20/t1/coverage:%.0f} % at 20 dB; outside they are clamped."
+        "{table_6_3/fuzzy/20/t1/coverage:%.0f} % at 20 dB. Outside of this range they are "
+        "clamped."
     ),
     (
         "**The robot** is that of Table 3.1 with {derived/star:.1f} of the printed star inertia, "
@@ -30,11 +31,11 @@ TEMPLATES = (
         "else), less the seeds with which a run diverged."
     ),
     (
-        "**Intervals of 95 %** of {seeds/table_6_3} seeds held the true value in "
+        "**Intervals of 95 %** of {seeds/table_6_3} seeds contained the true value in "
         "{derived/coverage/30 seeds/least:%.0f} to {derived/coverage/30 seeds/most:%.0f} % of "
-        "simulated sets like ours, of {seeds/sweeps} seeds in "
-        "{derived/coverage/10 seeds/least:%.1f} to {derived/coverage/10 seeds/most:%.1f} % "
-        "([each kind of interval])."
+        "simulated sets like ours, those of {seeds/sweeps} seeds in {derived/coverage/10 "
+        "seeds/least:%.1f} to {derived/coverage/10 seeds/most:%.1f} % ([each kind of "
+        "interval])."
     ),
     (
         'speaks of "a {printed/noise of Figure 51:%.0f}% noise in the system parameters", which '
@@ -127,8 +128,10 @@ TEMPLATES = (
     ),
     ("to {table_5_1/largest_gravity_error:.3f} N, with g of {parameters/table_5_1/gravity} m/s²"),
     (
-        "two entries are misprints, and with these put right the column sums still miss the rate "
-        "of those of M, which no C can, by {table_5_1/printed_coriolis_column_sum_gap:.3f} kg/s"
+        "two entries are misprints; with these corrected, the column sums of C still differ "
+        "from the rate of the column sums of M by "
+        "{table_5_1/printed_coriolis_column_sum_gap:.3f} kg/s, and in any possible C they are "
+        "equal"
     ),
     (
         "M {estimates/strongest/M:%.2f} %, C {estimates/strongest/C:%.0f} %, G "
@@ -136,14 +139,14 @@ TEMPLATES = (
     ),
     (
         "with ridge regression, the best learner, {estimates/ridge/M:%.2f}, "
-        "{estimates/ridge/C:%.0f} and {estimates/ridge/G:%.2f} %. G hardly varies: of its "
-        "standard deviation along the helix its error is {derived/of what G varies/strongest:%.0f} "
-        "and {derived/of what G varies/ridge:%.0f} %"
+        "{estimates/ridge/C:%.0f} and {estimates/ridge/G:%.2f} %. G hardly varies: its error "
+        "is {derived/of what G varies/strongest:%.0f} and {derived/of what G "
+        "varies/ridge:%.0f} % of its standard deviation along the helix"
     ),
     (
-        "by α-planes the torque differs from the default's by {order/torque/20 dB/0} N root mean "
-        "square and up to {order/torque/20 dB/1} N at 20 dB, nearly all of it through the "
-        "centroid and not through the order;"
+        "with α-planes the torque differs from that of the default order by {order/torque/20 "
+        "dB/0} N root mean square and up to {order/torque/20 dB/1} N at 20 dB, nearly all of "
+        "it because of the centroid and not because of the order;"
     ),
     "{order/tracking/20 dB/3} (geometric mean, 95 % interval, seeds in which it is less)",
     (
@@ -169,9 +172,9 @@ TEMPLATES = (
         "gravity/sum_of_squared_errors:.4f} m², {derived/PD over PD with gravity:.0f} times less."
     ),
     (
-        "with computed torque's gains, {printed/gains/CTC/p:.0f} and {printed/gains/CTC/v:.0f}, "
-        "the weight has a nut off its screw after {table_6_3/PD with the gains of "
-        "CTC/end_time:.2f} s"
+        "with computed torque's gains, {printed/gains/CTC/p:.0f} and "
+        "{printed/gains/CTC/v:.0f}, the weight pulls a nut off its screw after {table_6_3/PD "
+        "with the gains of CTC/end_time:.2f} s"
     ),
     "Computed torque's error is {printed/CTC} m²",
     (
@@ -179,8 +182,9 @@ TEMPLATES = (
         "start at rest, which is our choice"
     ),
     (
-        "but that one's tip is at most {table_6_3/PD with gravity/largest_tip_error:mm.1f} mm "
-        "off, computed torque's {table_6_3/CTC/largest_tip_error:mm.1f} mm"
+        "but the tip of PD with gravity is at most {table_6_3/PD with "
+        "gravity/largest_tip_error:mm.1f} mm off, and that of computed torque "
+        "{table_6_3/CTC/largest_tip_error:mm.1f} mm"
     ),
     "Without noise both fuzzy controllers leave {printed/∞/t1} m²",
     (
@@ -189,11 +193,11 @@ TEMPLATES = (
     ),
     (
         "On the helix PD with exact gravity (gains {printed/gains/PD/p:.0f} and "
-        "{printed/gains/PD/v:.0f} against {printed/gains/CTC/p:.0f} and {printed/gains/CTC/v:.0f}"
-        " times M) leaves less than each,"
+        "{printed/gains/PD/v:.0f} against {printed/gains/CTC/p:.0f} and "
+        "{printed/gains/CTC/v:.0f} times M) leaves less than each of them."
     ),
     (
-        "on faster ones it leaves more ({trajectories/fast-helix/PD with gravity/value:.3f} "
+        "on faster helices it leaves more ({trajectories/fast-helix/PD with gravity/value:.3f} "
         "against {trajectories/fast-helix/fuzzy/value:.3f} m²)"
     ),
     "{printed/20/t1}, {printed/15/t1}, {printed/10/t1} m²",
@@ -273,14 +277,15 @@ TEMPLATES = (
         "averages/15:.2f} and {derived/inverse of averages/10:.2f}:"
     ),
     (
-        "type-1 with terms {settings/widths/2:g} times as wide, on the same noisy rules, leaves "
-        "{wider_type_1_terms/20/3/value:sig}, {wider_type_1_terms/15/3/value:sig} and "
-        "{wider_type_1_terms/10/3/value:sig} m² and wins in {wider_type_1_terms/20/type_1_wins} "
-        "of {wider_type_1_terms/20/seeds_compared}, {wider_type_1_terms/15/type_1_wins} of "
-        "{wider_type_1_terms/15/seeds_compared} and {wider_type_1_terms/10/type_1_wins} of "
-        "{wider_type_1_terms/10/seeds_compared} seeds ({settings/widths/2:g} is the best of the "
-        "factors {settings/widths/0:g}, {settings/widths/1:g} and {settings/widths/2:g}, and "
-        "costs where there is no noise:"
+        "type-1 with terms {settings/widths/2:g} times as wide, on the same noisy rules, "
+        "leaves {wider_type_1_terms/20/3/value:sig}, {wider_type_1_terms/15/3/value:sig} and "
+        "{wider_type_1_terms/10/3/value:sig} m² and wins in "
+        "{wider_type_1_terms/20/type_1_wins} of {wider_type_1_terms/20/seeds_compared}, "
+        "{wider_type_1_terms/15/type_1_wins} of {wider_type_1_terms/15/seeds_compared} and "
+        "{wider_type_1_terms/10/type_1_wins} of {wider_type_1_terms/10/seeds_compared} seeds "
+        "({settings/widths/2:g} is the best of the factors {settings/widths/0:g}, "
+        "{settings/widths/1:g} and {settings/widths/2:g}, and increases the error without "
+        "noise:"
     ),
     "{wider_type_1_terms/∞/3/value:.3f} against {wider_type_1_terms/∞/it2/value:.3f} m²).",
     (
@@ -336,37 +341,38 @@ TEMPLATES = (
     ),
     "{order/tracking/20 dB/4} (geometric mean, 95 % interval, seeds)",
     (
-        "noise on G is then {noise_on_gravity_at_20_dB/noise:.1f} N at 20 dB, on what "
-        "varies by {noise_on_gravity_at_20_dB/standard_deviation:.1f} N (standard deviation) "
+        "the noise on G is then {noise_on_gravity_at_20_dB/noise:.1f} N at 20 dB, but G varies "
+        "by only {noise_on_gravity_at_20_dB/standard_deviation:.1f} N (standard deviation) "
         "along the helix."
     ),
     (
-        "What speaks for it is that type-1's error grows with the noise, by {derived/growth:.1f} "
-        "at least from 20 to 10 dB (printed:"
+        "The argument for it is that the error of type-1 then grows with the noise, by a "
+        "factor of at least {derived/growth:.1f} from 20 to 10 dB (printed:"
     ),
-    "{printed/growth:.1f});",
+    "{printed/growth:.1f}).",
     (
-        "it is {derived/type-1 under others/min:.3f} to {derived/largest type-1 under others:.3f}"
-        " m² at all levels against the variance, against one in each unit, and on the inputs, and"
-        " {table_6_3/fuzzy/∞/t1/mean/value:.3f} m² without noise."
-    ),
-    (
-        "**What type-2 could gain at best.** Under each definition the mean variation with the "
-        "least error was picked, out of {settings/suited/0:g}, {settings/suited/1:g}, "
-        "{settings/suited/2:g}, {settings/suited/3:g} and {settings/suited/4:g} of the range, on "
-        "the seeds that it is then judged by."
+        "that error is {derived/type-1 under others/min:.3f} to {derived/largest type-1 under "
+        "others:.3f} m² at all levels, and without noise it is "
+        "{table_6_3/fuzzy/∞/t1/mean/value:.3f} m²."
     ),
     (
-        "Where type-2 wins it is the largest, {definitions/mean square of each entry (taken "
-        "here)/20/best_mean_variation:g}, and the ratio falls to {definitions/mean square of each"
-        " entry (taken here)/20/best_ratio/value:.2f}, {definitions/mean square of each entry "
-        "(taken here)/15/best_ratio/value:.2f} and {definitions/mean square of each entry (taken "
-        "here)/10/best_ratio/value:.2f}, with intervals that include one at 15 and 10 dB, which "
-        "those of geometric means do not;"
+        "**What type-2 could gain at best.** For each definition we picked the mean variation "
+        "with the least error, out of {settings/suited/0:g}, {settings/suited/1:g}, "
+        "{settings/suited/2:g}, {settings/suited/3:g} and {settings/suited/4:g} of the range, "
+        "on the same seeds on which it is then judged."
     ),
     (
-        "type-1 with wide terms leaves {derived/wide share/20:.2f}, {derived/wide share/15:.2f} "
-        "and {derived/wide share/10:.2f} of plain type-1's."
+        "Where type-2 wins, the best one is the largest, {definitions/mean square of each "
+        "entry (taken here)/20/best_mean_variation:g}, and the ratio falls to "
+        "{definitions/mean square of each entry (taken here)/20/best_ratio/value:.2f}, "
+        "{definitions/mean square of each entry (taken here)/15/best_ratio/value:.2f} and "
+        "{definitions/mean square of each entry (taken here)/10/best_ratio/value:.2f}, with "
+        "intervals that include one at 15 and 10 dB; those of geometric means never include "
+        "one."
+    ),
+    (
+        "Type-1 with wide terms leaves {derived/wide share/20:.2f}, {derived/wide "
+        "share/15:.2f} and {derived/wide share/10:.2f} of the error of plain type-1."
     ),
     (
         "under the product they fail by {asserted "
@@ -467,8 +473,8 @@ def comparisons(sources: Mapping[str, Any]) -> list[tuple[str, bool]]:
             ctc < min(gravity, *without, *(entry["mean"]["value"] for entry in noisy)),
         ),
         (
-            "leaves less than each, and than the first on a circle, a line, a square and a larger "
-            "helix; on faster ones it leaves more",
+            "leaves less than each of them. It also leaves less than the first on a circle, a "
+            "line, a square and a larger helix; on faster helices it leaves more",
             gravity < min(*without, learners["strict, ∞"]["t1"]["value"])
             and beaten_on(sources["trajectories"]) == ["helix", *OTHER_PATHS],
         ),
@@ -479,8 +485,8 @@ def comparisons(sources: Mapping[str, Any]) -> list[tuple[str, bool]]:
             ),
         ),
         (
-            "at 15 and 10 dB the printed ratios are kinder to type-2 than the whole interval of "
-            "our ratio of means",
+            "at 15 and 10 dB the printed ratios favor type-2 more than any value within the "
+            "interval of our ratio of means does",
             [
                 level
                 for level in levels
@@ -546,22 +552,22 @@ def comparisons(sources: Mapping[str, Any]) -> list[tuple[str, bool]]:
             ),
         ),
         (
-            "with intervals that include one at 15 and 10 dB, which those of geometric means do "
-            "not",
+            "with intervals that include one at 15 and 10 dB; those of geometric means never "
+            "include one",
             [one for one in levels if ours[one]["best_ratio"]["high"] > 1.0] == ["15", "10"]
             and all(
                 entry["best_ratio_of_geometric_means"]["high"] < 1.0 for entry in ours.values()
             ),
         ),
         (
-            "Where type-2 wins it is the largest",
+            "Where type-2 wins, the best one is the largest",
             all(
                 entry["best_mean_variation"] == max(sources["settings"]["suited"])
                 for entry in ours.values()
             ),
         ),
         (
-            "Elsewhere the smallest is best, but for one case",
+            "Elsewhere the smallest is best, except in one case",
             sum(variation != min(sources["settings"]["suited"]) for variation in best) == 1,
         ),
     ]
