@@ -9,6 +9,9 @@ from typer.core import TyperCommand, TyperGroup
 
 from psp3.cli.options import USAGE
 
+ANY_LENGTH = 1000
+"""Of a sentence: the help breaks lines, and leaves nothing out."""
+
 
 def _without_type(options: list[Any]) -> list[Any]:
     """Return options, of which those that take no value do not show the type of one."""
@@ -27,11 +30,30 @@ class Command(TyperCommand):
 
 
 class Group(TyperGroup):
-    """The same of a group of commands."""
+    """The same of a group of commands, whose own help has no frames.
+
+    What draws them takes longer to import than all else that the help of a group needs.
+    """
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        self.rich_markup_mode = None
 
     def get_params(self, ctx: Any) -> list[Any]:
         """Return options and arguments."""
         return _without_type(super().get_params(ctx))
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the first sentence of every command, whole."""
+        commands = [(name, self.get_command(ctx, name)) for name in self.list_commands(ctx)]
+        with formatter.section("Commands"):
+            formatter.write_dl(
+                [
+                    (name, one.get_short_help_str(ANY_LENGTH))
+                    for name, one in commands
+                    if one is not None
+                ]
+            )
 
 
 app = typer.Typer(

@@ -40,7 +40,7 @@ class ThingOptions:
     robot: Annotated[
         str | None,
         typer.Argument(
-            metavar="[ROBOT]",
+            metavar="ROBOT",
             help="The robot of a controller, where it is one from a file.",
             show_default=False,
         ),

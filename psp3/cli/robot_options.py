@@ -69,7 +69,7 @@ class RobotOptions:
     robot: Annotated[
         str,
         typer.Argument(
-            metavar="[ROBOT]",
+            metavar="ROBOT",
             help=(
                 "A robot of the package (psp3 info lists them) or a file: .urdf, .xml (MJCF) or "
                 ".sdf; the 3-PSP unless given."
@@ -81,7 +81,7 @@ class RobotOptions:
         Path | None,
         typer.Argument(
             parser=file_path,
-            metavar="[LOOPS]",
+            metavar="LOOPS",
             help="Loop file (.yaml) of a URDF.",
             show_default=False,
         ),

@@ -16,7 +16,7 @@ def benchmark(
     entries: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[ENTRY...]",
+            metavar="ENTRY",
             help="Names of entries, files of your own (they end in .py), or all; all unless "
             "given. Exact computed torque, ctc, always takes part.",
             show_default=False,

@@ -45,7 +45,7 @@ def check(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Say what robot files hold, and what to do about what is odd.
+    """Say what robot files hold, and what to do about problems.
 
     For each file: joints, motors and loops, mobility, what is held, redundancy and mismatch of the
     loops, inertia that no body has, and what MuJoCo makes of the same file where it is installed.

@@ -191,7 +191,7 @@ def study(
     robot: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[ROBOT]...",
+            metavar="ROBOT",
             help="Robots of the package (psp3 info lists them) or their files; the 3-PSP unless "
             "given.",
             show_default=False,
