@@ -334,7 +334,8 @@ def numbers_in(thing: Any, seen: frozenset[int] = frozenset()) -> Any:
     return {
         name: numbers_in(value, within)
         for name, value in sorted(getattr(thing, "__dict__", {}).items())
-        if name not in NO_NUMBERS and not isinstance(_of_class(thing, name), functools.cached_property)
+        if name not in NO_NUMBERS
+        and not isinstance(_of_class(thing, name), functools.cached_property)
     }
 
 
