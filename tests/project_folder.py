@@ -64,11 +64,16 @@ def numbers(text: str) -> np.ndarray:
 
 
 def check_statically(folder: Path) -> None:
-    """Run cppcheck over all files; anything that it says is an error."""
+    """Run cppcheck over all files with code; anything that it says is an error.
+
+    ``cases.c`` has tables of numbers alone, and takes it longer than all the others.
+    """
+    sources = sorted(path for path in folder.rglob("*.c") if path.name != "cases.c")
+    assert sources
     done = subprocess.run(
         [
             *("cppcheck", "--std=c99", "--error-exitcode=1", "--quiet"),
-            *("--enable=warning,performance,portability", str(folder)),
+            *("--enable=warning,performance,portability", *map(str, sources)),
         ],
         capture_output=True,
         encoding="utf-8",
