@@ -102,6 +102,8 @@ def test_grid_takes_arrays_and_None() -> None:
         ({"seed": True}, InvalidValue, "seed must be an integer"),
         ({"seed": None}, InvalidValue, "seed must be an integer"),
         ({"snr_db": "20"}, InvalidValue, "snr_db must be a number, got '20'"),
+        ({"seed": 2**63}, InvalidValue, "seed must be .*, got 9223372036854775808"),
+        ({"snr_db": math.nan}, InvalidValue, "snr_db must be a number, got nan"),
         ({"controller": 1}, InvalidValue, "controller must be a text"),
         (
             {"controllers": "t1"},
@@ -125,12 +127,10 @@ def test_grid_refuses_what_no_run_can_have(
     [
         ((), "runs must be at least one run"),
         (grid(robot="eiffel_tower"), "unknown robot 'eiffel_tower'"),
-        (grid(snr_db=math.nan), "snr_db must be .*nan"),
         (grid(controller="t3"), "unknown controller 't3'"),
         (grid(reading="hearsay"), "unknown reading"),
         (grid(trajectory="spiral"), "unknown trajectory"),
         (grid(seed=-1), "seed"),
-        (grid(seed=2**63), r"seed must be less than 2\*\*63"),
         (
             grid(duration=(1.0, 2.0)),
             "duration must be the same in all runs of a study.* others have 1.0, got 2.0",
