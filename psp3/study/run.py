@@ -526,7 +526,8 @@ def _of_type(name: str, kind: type[str] | type[int] | type[float], value: Any) -
         return checked_number(name, plain, "a number")
     is_too_large = isinstance(plain, int) and abs(plain) > MOST
     if not isinstance(plain, kind) or isinstance(plain, bool) or is_too_large:
-        raise InvalidValue(name, plain, "a text" if kind is str else "an integer")
+        wanted = "an integer of at most 63 bits" if is_too_large else "an integer"
+        raise InvalidValue(name, plain, "a text" if kind is str else wanted)
     return plain
 
 
