@@ -39,6 +39,7 @@ from numba.core.typing.context import Context
 
 from fuzzy2.support.announcements import announced
 from fuzzy2.support.code_files import CodeCache
+from fuzzy2.support.deferred_interrupts import deferred_interrupts
 from fuzzy2.support.plain_lowering import PLAIN, PlainLowering, ScalarLowering, WideLowering
 
 
@@ -108,7 +109,11 @@ class Kernel(CPUDispatcher):
         """
         with global_compiler_lock:
             made: Any = self.overloads.get(tuple(normalize_signature(sig)[0]))
-            return super().compile(sig) if made is None else made.entry_point
+            if made is not None:
+                return made.entry_point
+            # LLVM frees things twice, and Python ends, where Ctrl-C comes into the middle of it.
+            with deferred_interrupts():
+                return super().compile(sig)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """Return how compiled code calls the function, for arguments of these types."""

@@ -165,11 +165,14 @@ rules, numbers = [[0, 0], [0, 1], [1, 0], [1, 1]], [[0.0], [1.0], [2.0], [4.0]]
 system = fuzzy2.Type1System([means] * 2, rules, numbers)
 
 def interrupt(*_):
-    came.append(True)
-    raise KeyboardInterrupt
+    if armed:
+        came.append(True)
+        signal.raise_signal(signal.SIGINT)
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 signal.signal(signal.SIGPROF, interrupt)
-rng, count, came = np.random.default_rng({seed}), 0, []
+rng, count, came, armed = np.random.default_rng({seed}), 0, [], []
 while True:
     came.clear()
     try:
@@ -177,15 +180,18 @@ while True:
         # that all of them take a few times as long as to compile once, on however slow a machine.
         # And again, where Python passes over an interrupt, as in a finalizer.
         moment = rng.uniform(0.05, 0.1 * 2.0**count)
-        signal.setitimer(signal.ITIMER_PROF, moment, moment)
+        signal.setitimer(signal.ITIMER_PROF, moment, 1.0)
+        armed.append(True)
         found = system([[0.2, 0.7]])
         low, high = fuzzy2.centroid([1.0, 2.0, 3.0], [0.1, 0.2, 0.1], [0.5, 0.6, 0.9])
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        armed.clear()
         break
     except (KeyboardInterrupt, KeyError, TypeError):
+        armed.clear()
         if not came:
             raise
         count += 1
+signal.setitimer(signal.ITIMER_PROF, 0.0)
 print(count, found[0, 0].hex(), low.hex(), high.hex())
 """
 
