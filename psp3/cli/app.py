@@ -71,7 +71,6 @@ app = typer.Typer(
 export = typer.Typer(
     name="export",
     cls=Group,
-    no_args_is_help=True,
     help="Write a robot, a controller or a fuzzy system for other programs.",
 )
 """The commands ``psp3 export ...``, a group."""

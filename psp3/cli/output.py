@@ -398,11 +398,11 @@ def _words_of(error: Exception) -> str | None:
             error.format_message()
             .removeprefix("Invalid value: ")
             .replace("Value error, ", "")
+            .replace("Missing command", "give a command")
             .rstrip(".")
         )
         text = _with_remedy(f"{' '.join(text.split())}{_refused_by_library(error)}")
-        # Of a group without a command typer shows the help, and says nothing.
-        return f"{command}: {text or 'give a command'} (see {command} --help)"
+        return f"{command}: {text} (see {command} --help)"
     if isinstance(error, MemoryError):
         return "psp3: this takes more memory than there is; ask for less time or fewer samples"
     from fuzzy2.errors import RaisedOnPurpose
