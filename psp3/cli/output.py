@@ -345,6 +345,11 @@ REMEDIES = {
 """What to do where a message ends in some words."""
 
 
+def _commands_of(context: Any) -> str:
+    """Return the names of the commands of a group."""
+    return " or ".join(getattr(getattr(context, "command", None), "commands", ()))
+
+
 def as_options(text: str) -> str:
     """Return a text of the library with its remedies in words of the command line."""
     for argument, option in OPTIONS.items():
@@ -398,7 +403,7 @@ def _words_of(error: Exception) -> str | None:
             error.format_message()
             .removeprefix("Invalid value: ")
             .replace("Value error, ", "")
-            .replace("Missing command", "give a command")
+            .replace("Missing command", f"give a command: {_commands_of(context)}")
             .rstrip(".")
         )
         text = _with_remedy(f"{' '.join(text.split())}{_refused_by_library(error)}")

@@ -29,7 +29,7 @@ WRONG_CALLS = tuple(
         ("pose --hights 0,0,0", "--hights", "--height"),
         ("pose --heights", "'--heights'", "requires an argument"),
         ("pose", "psp3 pose", "give one of --heights, --tip, or --height with --tilt"),
-        ("export", "psp3 export", "give a command (see psp3 export --help)"),
+        ("export", "psp3 export", "give a command: c or fmu (see psp3 export --help)"),
         ("check", "'FILE...'", "see psp3 check --help"),
         # Robots
         ("pose nosuch", "'nosuch'", ROBOTS),
