@@ -9,13 +9,15 @@ import contextlib
 import decimal
 import math
 import numbers
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fuzzy2.support import checks
 from fuzzy2.support.checks import is_path
 from psp3.errors import InvalidArray, InvalidValue, UnknownName
 
@@ -309,15 +311,9 @@ def checked_function(name: str, value: object) -> None:
         raise InvalidValue(name, value, "a function")
 
 
-@contextlib.contextmanager
-def overflow_refused(what: str) -> Iterator[None]:
+def overflow_refused(what: str) -> AbstractContextManager[None]:
     """Raise :class:`InvalidValue` where numbers overflow, or answers are no numbers."""
-    try:
-        with np.errstate(over="raise", invalid="raise", divide="raise"):
-            yield
-    except (FloatingPointError, OverflowError) as error:
-        wanted = "of such a size that results are numbers; check the units"
-        raise InvalidValue(what, str(error), wanted) from error
+    return checks.overflow_refused(what, InvalidValue)
 
 
 def checked_truth(name: str, value: object) -> bool:

@@ -200,15 +200,22 @@ def broadcast(names: str, *arrays: Array) -> tuple[Array, ...]:
 
 
 @contextlib.contextmanager
-def overflow_refused(what: str) -> Iterator[None]:
-    """Raise :class:`InvalidValue` where numbers overflow, or an answer is no number."""
+def overflow_refused(what: str, error: type[InvalidValue] = InvalidValue) -> Iterator[None]:
+    """Raise an error where numbers overflow, or an answer is no number.
+
+    Parameters
+    ----------
+    what : str
+        What is refused then.
+    error : type
+        Class of the error.
+    """
     try:
         with np.errstate(over="raise", invalid="raise", divide="raise"):
             yield
-    except (FloatingPointError, OverflowError) as error:
-        raise InvalidValue(
-            what, str(error), "such that results are floating-point numbers"
-        ) from error
+    except (FloatingPointError, OverflowError) as reason:
+        wanted = "of such a size that results are numbers; check the units"
+        raise error(what, str(reason), wanted) from reason
 
 
 def binary_exponent(values: Array) -> int:

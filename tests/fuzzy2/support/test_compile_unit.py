@@ -5,11 +5,14 @@ Numba's own compilation of the same functions is what they are compared with.
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 import pickle
+import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import numba
@@ -77,6 +80,26 @@ def test_the_answers_are_those_of_numba_to_the_last_bit() -> None:
         return cubed_by_numba(x, 0) + cubed_by_numba(y, 7) + last
 
     assert twice(VALUES) == numba.njit(error_model="numpy")(by_numba)(VALUES)
+
+
+def test_ctrl_c_waits_for_the_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It comes while the code is made, and is raised when it is there."""
+
+    @contextlib.contextmanager
+    def interrupted(*_: object) -> Iterator[None]:
+        signal.raise_signal(signal.SIGINT)
+        yield
+
+    kernel = Kernel(cubed, targetoptions={"nopython": True})
+    monkeypatch.setattr(compile_unit, "announced", interrupted)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            kernel(0.5, 1)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert len(kernel.overloads) == 1
+    assert kernel(0.5, 1) == 1.125
 
 
 def test_a_part_is_translated_once_and_never_made_machine_code() -> None:

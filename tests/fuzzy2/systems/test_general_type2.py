@@ -181,3 +181,28 @@ def test_united_points_are_the_same_on_all_planes() -> None:
             np.testing.assert_allclose(system(X), np.full((5, 1), 0.5), rtol=1e-14)
         else:
             np.testing.assert_allclose(system(X), right(X), rtol=1e-12)
+
+
+@pytest.mark.parametrize("t_norm", ["product", "min"])
+def test_a_default_holds_on_all_planes_or_on_none(t_norm: str) -> None:
+    """Beyond the end of the only term its grade is 0, and may be above 0 on the lower plane alone.
+
+    Without a default the lowest cut is known, and the answer is not.
+    """
+    term = fuzzy2.GaussianType2Set(fuzzy2.Triangular(-1.0, 0.0, 1.0), sigma=0.02)
+    x = [[3.0], [0.05]]
+
+    def system(defaults: list[float | None] | None) -> GeneralType2System:
+        return GeneralType2System(
+            [[term]], [[0]], [[4.0, 8.0]], t_norm, levels=2, default_outputs=defaults
+        )
+
+    without = system(None).alpha_cuts(x)
+    np.testing.assert_array_equal(np.isnan(without[0, :, :, 0]), [[False, True]] * 2)
+    np.testing.assert_array_equal(system(None)(x), [[np.nan, np.nan], [4.0, 8.0]])
+    some = system([1.0, None])
+    cuts = some.alpha_cuts(x)
+    np.testing.assert_array_equal(cuts[0, 0], np.ones((2, 2)))
+    np.testing.assert_array_equal(cuts[0, 1], without[0, 1])
+    np.testing.assert_array_equal(cuts[1], without[1])
+    np.testing.assert_array_equal(some(x), [[1.0, np.nan], [4.0, 8.0]])
