@@ -11,6 +11,7 @@ exactly :math:`\sqrt{h^2 + d^2/4} - d/2`, 23.9 mm for the thesis's robot.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -178,15 +179,42 @@ def _tip_map(slope: complex, d: float, h: float) -> tuple[complex, float]:
 
 def _fold(direction: float, d: float, h: float) -> complex:
     """Tip position on the fold, for a slope toward ``direction``."""
-    from scipy.optimize import brentq
-
     ray = np.exp(1j * direction)
     # The determinant falls from h² at the level pose. With a very long tool it is still positive at
     # the tilt of 60 degrees where the compiled inverse kinematics ends.
     size = LARGEST_TIP_SLOPE
     if _tip_map(size * ray, d, h)[1] < 0.0:
-        size = brentq(lambda t: _tip_map(t * ray, d, h)[1], 0.0, size, xtol=1e-15, rtol=1e-14)
+        size = _root(lambda t: _tip_map(t * ray, d, h)[1], 0.0, size)
     return _tip_map(size * ray, d, h)[0]
+
+
+def _root(function: Callable[[float], float], lower: float, upper: float) -> float:
+    """Return where a function changes its sign, to 1e-14 (Chandrupatla, 1997).
+
+    Written here because importing ``scipy.optimize`` takes a quarter of the time of ``psp3 info``.
+    """
+    x1, x2 = lower, upper
+    f1, f2 = function(x1), function(x2)
+    share = 0.5
+    while True:
+        x = x1 + share * (x2 - x1)
+        f = function(x)
+        if (f > 0.0) == (f1 > 0.0):
+            x3, f3 = x1, f1
+        else:
+            x3, f3, x2, f2 = x2, f2, x1, f1
+        x1, f1 = x, f
+        best, at_best = (x1, f1) if abs(f1) < abs(f2) else (x2, f2)
+        least = (1e-14 * abs(best) + 1e-15) / abs(x2 - x1)
+        if least > 0.5 or at_best == 0.0:
+            return best
+        xi, phi = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
+        share = 0.5
+        # Only here does the parabola through the three points, turned by 90°, stay between them.
+        if phi**2 < xi and (1.0 - phi) ** 2 < 1.0 - xi:
+            share = f1 / (f2 - f1) * f3 / (f2 - f3)
+            share += (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
+        share = min(1.0 - least, max(least, share))
 
 
 SHORTEST_TOOL = 1e-12
@@ -217,8 +245,6 @@ def tip_reach(azimuth: ArrayLike, screw_radius: float, tool_length: float) -> Ar
     InvalidArray
         If an azimuth is not finite.
     """
-    from scipy.optimize import brentq
-
     d, h = (
         checked_positive("screw_radius", screw_radius),
         checked_positive("tool_length", tool_length),
@@ -235,12 +261,7 @@ def tip_reach(azimuth: ArrayLike, screw_radius: float, tool_length: float) -> Ar
         elif folded > upper - 1e-9:
             direction = upper
         else:
-            direction = brentq(
-                lambda b: np.angle(_fold(b, d, h)) - folded,
-                lower,
-                upper,
-                xtol=1e-14,
-            )
+            direction = _root(lambda b: np.angle(_fold(b, d, h)) - folded, lower, upper)
         return abs(_fold(direction, d, h))
 
     if h < SHORTEST_TOOL * d:

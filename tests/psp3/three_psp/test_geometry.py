@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import pytest
+import scipy.optimize
 from hypothesis import given
 from hypothesis import strategies as st
 
 from psp3.errors import InvalidArray, InvalidValue, UnreachablePose
+from psp3.three_psp import geometry
 from psp3.three_psp.geometry import SCREW_AZIMUTHS, arm_lengths, heights_of_tilt, tip_reach
 from tests.helpers import Array, random_heights
 
@@ -179,6 +183,17 @@ def test_reach_is_the_least_at_the_screws_symmetric_and_periodic() -> None:
     np.testing.assert_allclose(tip_reach(-azimuths, D, H), reach, rtol=0, atol=1e-12)
     # It grows up to the cusp opposite to a screw.
     assert (np.diff(reach[:13]) > 0.0).all()
+
+
+@given(d=st.floats(1e-3, 100.0), ratio=st.floats(1e-4, 10.0), azimuth=st.floats(-7.0, 7.0))
+def test_reach_is_what_brent_finds(d: float, ratio: float, azimuth: float) -> None:
+    """With the root finder of SciPy instead of ours; both stop at 1e-14 of the slope."""
+    found = tip_reach(azimuth, d, ratio * d)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(
+            geometry, "_root", functools.partial(scipy.optimize.brentq, xtol=1e-15, rtol=1e-14)
+        )
+        np.testing.assert_allclose(found, tip_reach(azimuth, d, ratio * d), rtol=1e-11)
 
 
 def test_reach_keeps_the_shape_of_its_argument() -> None:
