@@ -82,6 +82,7 @@ class Kernel(CPUDispatcher):
             whole, part = _ScalarCompiler, _ScalarPartCompiler
         super().__init__(function, kinds, options, pipeline_class=whole)
         self._how, self._is_kept = (kinds, options, part), kept
+        self._asked: set[tuple[Any, ...]] = set()
         # Numba's own, which is none.
         del self._cache
 
@@ -101,19 +102,47 @@ class Kernel(CPUDispatcher):
             return CodeCache(self.py_func) if self._is_kept else NullCache()
         return NullCache()
 
+    def keep_to(self, *arguments: Any) -> None:
+        """Refuse from now on what has other types than these arguments and those given before.
+
+        Parameters
+        ----------
+        *arguments
+            Arguments of types that the function can be compiled for when it is called.
+        """
+        with global_compiler_lock:
+            self._asked.add(tuple(map(self.typeof_pyval, arguments)))
+            self._close_if_complete()
+
+    def _close_if_complete(self) -> None:
+        """Have numba refuse other types without asking, once no more is to be compiled."""
+        if self._asked:
+            self.disable_compile(self._asked <= self.overloads.keys())
+
     def compile(self, sig: Any) -> Any:
         """Return the machine code for arguments of these types.
 
         Who waited while another thread made it finds it there, though nothing else may be compiled
         any more.
+
+        Raises
+        ------
+        TypeError
+            If the function is kept to other types.
         """
+        kinds = tuple(normalize_signature(sig)[0])
         with global_compiler_lock:
-            made: Any = self.overloads.get(tuple(normalize_signature(sig)[0]))
+            made: Any = self.overloads.get(kinds)
             if made is not None:
                 return made.entry_point
+            if self._asked and kinds not in self._asked:
+                given = ", ".join(map(str, kinds))
+                raise TypeError(f"No matching definition for arguments of the types {given}")
             # LLVM frees things twice, and Python ends, where Ctrl-C comes into the middle of it.
             with deferred_interrupts():
-                return super().compile(sig)
+                code = super().compile(sig)
+            self._close_if_complete()
+            return code
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """Return how compiled code calls the function, for arguments of these types."""

@@ -9,7 +9,6 @@ module changed, though kernels call those of other modules: ``fuzzy2.support.cod
 from __future__ import annotations
 
 import functools
-import threading
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol, TypeVar, cast
 
@@ -17,16 +16,16 @@ import numba
 from numba.extending import overload
 
 from fuzzy2.support.compile_unit import Kernel, PartCompiler
+from fuzzy2.support.deferred_compilation import is_deferred
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-
-_COMPILING = threading.Lock()
 
 
 def only_for(function: Function, *arguments: Any) -> Function:
     """Compile a compiled function for arguments of these types, and for those asked for before.
 
-    All others are a TypeError, and never compiled for.
+    All others are a TypeError, and never compiled for. It is compiled at once, or within
+    :func:`~fuzzy2.support.deferred_compilation.deferred_compilation` at its first call.
 
     Parameters
     ----------
@@ -41,17 +40,11 @@ def only_for(function: Function, *arguments: Any) -> Function:
         The same function. A caller can hand it what users give, unchecked, and convert that where
         it raises TypeError.
     """
-    # One thread at a time: another's compilation must not be switched off before it is done.
-    with _COMPILING:
-        # Not there where numba is told not to compile at all.
-        disable_compile = getattr(function, "disable_compile", lambda _: None)
-        try:
-            function(*arguments)
-        except TypeError:
-            # Closed to these until now.
-            disable_compile(False)
-            function(*arguments)
-        disable_compile(True)
+    # Where numba is told not to compile at all, this is a function of Python.
+    if isinstance(function, Kernel):
+        function.keep_to(*arguments)
+    if not is_deferred():
+        function(*arguments)
     return function
 
 

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from fuzzy2.support.deferred_compilation import deferred_compilation
 from psp3.checks import Array
 from psp3.control.controller import widths_of
 from psp3.robots.payloads import with_payload
@@ -131,7 +132,8 @@ def simulate_run(run: Run) -> Samples:
         errors = np.repeat([run.initial_error, run.initial_speed_error], [p, n])
         state += errors * drawn.standard_normal(p + n)
     added, measured = _noise(run, len(t), p, n)
-    controller: Any = controller_of(run, robot)
+    with deferred_compilation():
+        controller: Any = controller_of(run, robot)
     if added is not None:
         controller = WithNoisyModel(controller, added)
     m, infinite = len(robot.actuated), np.full(p, np.inf)

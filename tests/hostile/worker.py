@@ -60,7 +60,7 @@ def _say(something: dict[str, object]) -> None:
 BEYOND = 10**9
 """Mutants from this number on are read before all others, so that code is compiled by then."""
 
-WARMING = 8
+WARMING = 40
 """So many of each reader."""
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from psp3.cli.compilation import simulating
 from psp3.cli.joint_tables import commanded_joints, joint_units, what_follows
 from psp3.cli.option_groups import GainOptions, MotionOptions, OutputOptions, single_options
 from psp3.cli.options import (
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
 
 
 @single_options
+@simulating
 def simulate(
     *,
     robot: RobotOptions,

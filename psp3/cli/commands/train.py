@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from psp3.cli.compilation import simulating
 from psp3.cli.joint_tables import joint_units
 from psp3.cli.option_groups import MotionOptions, single_options
 from psp3.cli.options import TrajectoryText, controller_output, file_path, only_allowed
@@ -84,6 +85,7 @@ class RuleOptions:
 
 
 @single_options
+@simulating
 def train(
     *,
     file: Annotated[
