@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 HERE = Path(__file__).resolve().parent
-NAMES = ("robot", "controller", "fuzzy", "general")
+NAMES = ("robot", "controller", "fuzzy", "general", "first_use")
 EMPTY = "empty compiled call"
 
 HEAD = """# Benchmarks
@@ -118,6 +118,20 @@ axes](pictures/cost_of_loops.svg)
 From 1 to 50 loops the time grows with their number to the power of {growth}.
 """
 
+FIRST_USE = """## First use
+
+The table gives the processor time of whole programs and commands. "First" is with an empty cache \
+folder, where functions are compiled once; "again"
+is the least of three more.
+
+{times}
+
+{clone}"""
+
+CLONE = """From a new clone, `make view` takes {view} s of processor time until a machine moves, \
+and a download of 1 GiB. After that, `make reproduce`
+takes {reproduce} s, of which most is for compiling everything once."""
+
 
 def digits(value: float) -> str:
     """Return a number with two significant digits, and without exponent."""
@@ -177,14 +191,27 @@ def batch_table(batches: Mapping[str, Mapping[str, Mapping[str, float]]]) -> str
     return "\n".join(lines)
 
 
+def first_use(measured: Mapping[str, Any]) -> str:
+    """Return the section about first use; what needs a clone is there if it was measured."""
+    lines = ["| [s] | first | again |", "|---|---|---|"]
+    lines += [
+        f"| `{name}` | {digits(first)} | {digits(again)} |"
+        for name, (first, again) in measured["seconds"].items()
+    ]
+    clone = measured.get("clone")
+    whole = {name.removeprefix("make "): f"{time:.0f}" for name, time in (clone or {}).items()}
+    text = FIRST_USE.format(times="\n".join(lines), clone=CLONE.format(**whole) if clone else "")
+    return text.rstrip() + "\n"
+
+
 def page(results: Mapping[str, Any], date: str) -> str:
-    """Return the page for the results of the four benchmarks."""
-    robot, controller, fuzzy, general = (results[name] for name in NAMES)
+    """Return the page for the results of the benchmarks."""
+    robot, controller, fuzzy, general, first = (results[name] for name in NAMES)
     versions = {
         name: version for result in results.values() for name, version in result["versions"].items()
     }
     added = fuzzy["import_seconds"]["numpy, fuzzy2"] - fuzzy["import_seconds"]["numpy"]
-    first = fuzzy["import_seconds"]["numpy, fuzzy2, first call"] - fuzzy["import_seconds"]["numpy"]
+    called = fuzzy["import_seconds"]["numpy, fuzzy2, first call"] - fuzzy["import_seconds"]["numpy"]
     simulations = " and ".join(
         f"{digits(seconds)} s under {name}" for name, seconds in robot["simulation_seconds"].items()
     )
@@ -215,7 +242,7 @@ def page(results: Mapping[str, Any], date: str) -> str:
                 bytes=digits(list(fuzzy["batch_bytes_an_item"].values())[-1]),
                 # Less than this is the scatter of starting an interpreter, and may be negative.
                 seconds=f"{digits(added)} s" if added >= 0.01 else "less than 0.01 s",
-                first=f"{digits(first)} s",
+                first=f"{digits(called)} s",
             ),
             GENERAL.format(
                 robots=columns(general["robots"]),
@@ -231,6 +258,7 @@ def page(results: Mapping[str, Any], date: str) -> str:
                     f"{power:.2f} ({name})" for name, power in general["growth"].items()
                 ),
             ),
+            first_use(first),
         ]
     )
 

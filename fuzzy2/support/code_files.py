@@ -22,6 +22,7 @@ read or cannot be written is no reason to fail: the code is compiled anew, with 
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import pickle
 import sys
@@ -105,7 +106,15 @@ class CodeFiles(IndexDataCacheFile):
         return names if stamp == self._source_stamp else {}
 
     def _save_index(self, overloads: Any) -> None:
+        files: Any = self
+        stamp, names = self._read(self._index_name) or (self._source_stamp, {})
         self._write(self._index_name, (self._source_stamp, overloads))
+        if stamp == self._source_stamp:
+            return
+        # Of other sources: no index leads to them any more.
+        for name in names.values():
+            with contextlib.suppress(OSError):
+                Path(files._data_path(name)).unlink()
 
     def _load_data(self, name: str) -> Any:
         return self._read(name)

@@ -74,6 +74,19 @@ def test_another_source_has_other_files(tmp_path: Path) -> None:
     assert files(tmp_path, stamp=1).load(("int64",)) is None
 
 
+def test_code_of_other_sources_goes_when_new_code_comes(tmp_path: Path) -> None:
+    old, new = files(tmp_path, stamp=1), files(tmp_path, stamp=2)
+    for kind in ("float64", "int64"):
+        old.save((kind,), "old")
+    assert len(list(tmp_path.glob("*.nbc"))) == 2
+    new.save(("float64",), "new")
+    new.save(("int64",), "newer")
+    assert len(list(tmp_path.glob("*.nbc"))) == 2
+    assert [new.load((kind,)) for kind in ("float64", "int64")] == ["new", "newer"]
+    # Whoever still runs the old sources compiles anew, and is not misled.
+    assert files(tmp_path, stamp=1).load(("float64",)) is None
+
+
 def test_compiled_functions_have_such_files() -> None:
     function: Any = compiled(lambda x: x + 1)
     assert isinstance(function._cache._cache_file, CodeFiles)
