@@ -149,11 +149,8 @@ class Structure(NamedTuple):
         There the loops hold a motion by their second order alone: they close exactly, and what does
         not count is more than rounding, and yet so little that it must not count.
         """
-        return (
-            self.mismatch <= EXACT
-            and self.dropped <= ASSEMBLED_RANK_TOLERANCE
-            and not self.is_explained
-        )
+        is_small = self.mismatch <= EXACT and self.dropped <= ASSEMBLED_RANK_TOLERANCE
+        return is_small and not self.is_explained
 
     @property
     def mismatch(self) -> float:
