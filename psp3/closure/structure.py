@@ -14,6 +14,12 @@ taken in which all that counts is well above what rounding makes: numbers with f
 close exactly at home, all the same, and a strict reading then holds what only they hold. Motors
 have no say in it, so that the freedoms of a mechanism do not depend on where its motors are.
 
+Loops that are exact can be weak, too: those of a leg that is nearly stretched, and held there. Near
+the singular pose a loose reading looks explained, as :math:`\mu` is of second order in how far the
+joints have moved. But the motion that it claims opens the loops more the farther it goes, while
+what rounding makes stays as small everywhere. So where a stricter reading closes the loops exactly,
+the claimed motion is followed over a long way, and the loose reading is refuted if the loops open.
+
 Position rows and sliding joints are measured in sizes of the robot, so that lengths and angles
 compare; a loop that is much smaller is measured by itself before it is called weak.
 """
@@ -84,6 +90,9 @@ the smaller ones where a larger one does not close.
 
 POSES = 8
 
+LONG_WAY = 3
+"""Claimed motions are followed for so many of the largest steps to either side."""
+
 MOST_SECONDS, LEAST_SECONDS = 4.0, 1.0
 """After so long no other starts are tried for a robot whose loops do not close; but they are for so
 long, however long the first one took.
@@ -117,6 +126,31 @@ class Structure(NamedTuple):
     """Of the robot [m], in which lengths are measured."""
     worst: int
     """Which of the given closures stays open most; −1 without one."""
+    exact: Structure | None = None
+    """The stricter reading in which the same loops close exactly, if there is one, and following
+    the motions that it does not have was not enough to refute this one.
+    """
+
+    @property
+    def freedoms(self) -> int:
+        """Independent motions."""
+        return int(self.motions[0].shape[1])
+
+    @property
+    def is_explained(self) -> bool:
+        """Tell whether rounding can have made what does not count."""
+        limit = max(EXACT, EXPLAINED * self.mismatch)
+        return self.dropped * min(self.first, 1.0) <= limit
+
+    @property
+    def is_stuck(self) -> bool:
+        """Tell whether home is a singular pose that the loops were not seen to leave.
+
+        There the loops hold a motion by their second order alone: they close exactly, and what does
+        not count is more than rounding, and yet so little that it must not count.
+        """
+        is_small = self.mismatch <= EXACT and self.dropped <= ASSEMBLED_RANK_TOLERANCE
+        return is_small and not self.is_explained
 
     @property
     def mismatch(self) -> float:
@@ -203,7 +237,12 @@ def structure(
     if others:
         # That in which motors command most; of equals that which is least beyond the limits.
         return max(
-            others, key=lambda one: (commanded(one, motors), -how_far_beyond(model, one.home))
+            others,
+            key=lambda one: (
+                not one.is_stuck,
+                commanded(one, motors),
+                -how_far_beyond(model, one.home),
+            ),
         )
     loop = names[worst] if 0 <= worst < len(names) else ""
     raise LoopsDoNotClose(start, float(np.abs(residual(flat, nearest)).max()), loop, tried)
@@ -213,9 +252,11 @@ def _is_good(model: pin.Model, found: Structure, motors: Array) -> bool:
     """Tell whether a home that nobody gave can be one.
 
     Within the joint limits, and with each motor at work that can be: in the fold of a leg, for
-    example, none is.
+    example, none is. And not at a singular pose that the loops do not leave.
     """
     most = min(motors.shape[1], model.nv - found.rank)
+    if found.is_stuck:
+        return False
     return how_far_beyond(model, found.home) == 0.0 and commanded(found, motors) == most
 
 
@@ -258,13 +299,18 @@ class _Equations:
         left, values, right = np.linalg.svd(matrix)
         return left, values, right
 
-    def settled(self, q: Array, threshold: float) -> tuple[Array, Array] | None:
-        """Return where Gauss–Newton steps come to rest, and the residual there; None if nowhere."""
+    def settled(
+        self, q: Array, threshold: float, most: int | None = None
+    ) -> tuple[Array, Array] | None:
+        """Return where Gauss–Newton steps come to rest, and the residual there; None if nowhere.
+
+        No more than ``most`` singular values count.
+        """
         way, last = np.zeros(self.model.nv), np.inf
         for _ in range(MOST_STEPS):
             gaps = residual(self.flat, q) / self.scale
             left, values, right = self.decomposed(q)
-            rank = _count(values, threshold)
+            rank = _count(values[:most], threshold)
             step = -right[:rank].T @ (left[:, :rank].T @ gaps / values[:rank])
             largest = float(np.abs(step).max(initial=0.0))
             if largest < 1e-13 or (largest < 1e-9 and largest >= 0.5 * last):
@@ -333,6 +379,33 @@ class _Equations:
                 return found
         return None
 
+    def opens(self, loose: Structure, strict: Structure) -> bool:
+        """Tell whether motions that only the looser of two readings has open the loops.
+
+        They are followed from where the stricter reading closes the loops, with as many equations
+        as the looser one has, so that the others may open as far as they do.
+        """
+        _, _, right = self.decomposed(strict.home)
+        end = strict.rank if strict.rank > loose.rank else len(right)
+        return any(
+            self._opens_along(strict.home, side * direction, loose.rank)
+            for direction in right[loose.rank : end]
+            for side in (1.0, -1.0)
+        )
+
+    def _opens_along(self, q: Array, direction: Array, rank: int) -> bool:
+        for _ in range(LONG_WAY):
+            way = STEPS[0] / np.abs(direction).max() * self.units * direction
+            found = self.settled(pin.integrate(self.model, q, way), 0.0, rank)
+            if found is None:
+                return False
+            q, gaps = found
+            if np.abs(gaps).max(initial=0.0) > LARGEST_MISMATCH:
+                return True
+            motions = self.decomposed(q)[2][rank:]
+            direction = motions.T @ (motions @ direction)
+        return False
+
     def is_well(self, found: Structure) -> bool:
         """Tell whether no equation that counts is so weak that rounding may have made it."""
         if found.kept > WEAK:
@@ -359,13 +432,15 @@ class _Equations:
     def structure(self, q: Array) -> Structure | None:
         """Return the structure by the rule of this module; None where no threshold is explained."""
         accepted: list[Structure] = []
+        stuck: Structure | None = None
         for threshold in THRESHOLDS:
             found = self.explored(q, threshold)
             if found is None or any(found.rank == other.rank for other in accepted):
                 continue
             if found.kept < GAP * found.dropped:
                 continue
-            if found.dropped * min(found.first, 1.0) > max(EXACT, EXPLAINED * found.mismatch):
+            if not found.is_explained:
+                stuck = found if found.is_stuck and stuck is None else stuck
                 continue
             if found.dropped > EXACT:
                 # Once more from the given configuration, with the threshold amid the gap: too
@@ -376,11 +451,16 @@ class _Equations:
                 if again.kept < GAP * again.dropped:
                     continue
                 found = again
+                strict = next((one for one in (*accepted, stuck) if one is not None), None)
+                if strict is not None and strict.mismatch <= EXACT:
+                    if self.opens(found, strict):
+                        continue
+                    found = found._replace(exact=strict)
             accepted.append(found)
             if self._moves(found) and self.is_well(found):
                 return found
         if not accepted:
-            return None
+            return stuck
         # One that moves; of these those that leave home where it was; of these the strictest.
         moved = [np.abs(pin.difference(self.model, q, one.home)).max() for one in accepted]
         near = [one < 10.0 * min(moved) + 1e-6 for one in moved]

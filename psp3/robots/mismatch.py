@@ -8,12 +8,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from psp3.closure.structure import EXACT, LARGEST_MISMATCH, TOLD_MISMATCH, Structure
+import numpy as np
+import pinocchio as pin
+
+from psp3.closure.structure import EXACT, LARGEST_MISMATCH, TOLD_MISMATCH, WEAK, Structure
 from psp3.errors import MobilityMismatch, RoundedLoops
 from psp3.robots.simple_joints import is_round
 
 ALLOWED_MISMATCH = 10.0
 """Elsewhere in the workspace loops may stay open by so many times what was found near home."""
+
+
+MOVES = 1e-3
+"""Share of a motion from which on a joint takes part in it."""
 
 
 class ClosureMismatch(NamedTuple):
@@ -60,7 +67,16 @@ def warnings_of(robot: Any, loop: str, found: Structure) -> list[str]:
             f"{robot.title}: redundant loops contradict each other by {found.length:.2g} m and "
             f"{found.angle:.2g} rad, most of all {loop!r}; they are closed as well as they can be, "
             f"and home was moved by {robot.closure_mismatch.home_moved:.2g} (m, rad): more digits "
-            "would close them (robot.closure_mismatch)"
+            f"would close them (robot.closure_mismatch){_if_exact(robot.model, found)}"
+        )
+    if found.is_stuck:
+        joints = _stuck(robot.model, found)
+        these = f"of {', '.join(joints)} " if joints else ""
+        told.append(
+            f"{robot.title}: home is a singular pose that the loops do not leave: a motion {these}"
+            f"counts as free ({found.freedoms} degrees of freedom), though the loops hold it "
+            "farther on: make a joint of it fixed, or give another closed pose (home in an SRDF or "
+            "a key frame)"
         )
     if robot.without_limits:
         told.append(
@@ -82,3 +98,42 @@ def warnings_of(robot: Any, loop: str, found: Structure) -> list[str]:
             f"also off its axis ({remedy})"
         )
     return told
+
+
+def _if_exact(model: Any, found: Structure) -> str:
+    """Return what follows if the numbers are not rounded, where that cannot be told."""
+    exact = found.exact
+    if exact is None:
+        return ""
+    free, held = _moving(found), ~_moving(exact)
+    joints = _names(model, free & held)
+    remedy = (
+        f"make {', '.join(joints)} fixed, which cannot move then"
+        if joints
+        else f"hold its motions by longer levers, by {WEAK:.0e} of the strongest and more"
+    )
+    return (
+        f"; but if its numbers are exact, it has {exact.freedoms} instead of {found.freedoms} "
+        f"degrees of freedom, for the loops hold the others, by {exact.kept:.1g} of the strongest: "
+        f"{remedy}"
+    )
+
+
+def _stuck(model: Any, found: Structure) -> list[str]:
+    """Return the joints that seem to move, and do not."""
+    ways = [np.abs(pin.difference(model, found.home, pose)) for pose in found.poses]
+    return _names(model, _moving(found) & (np.max(ways, axis=0) < MOVES))
+
+
+def _moving(found: Structure) -> Any:
+    """Return which velocities take part in a motion, at any pose, (nv,)."""
+    return np.max([np.linalg.norm(basis, axis=1) for basis in found.motions], axis=0) > MOVES
+
+
+def _names(model: Any, velocities: Any) -> list[str]:
+    """Return the joints of some velocities."""
+    return [
+        str(name)
+        for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True)
+        if velocities[joint.idx_v : joint.idx_v + joint.nv].any()
+    ]

@@ -89,7 +89,7 @@ def after(robot: ClosedLoopRobot, q: Array, way: Array) -> Array:
 def made(parts: Parts) -> ClosedLoopRobot:
     """Return the robot, where it is one, and where its loops are not told to be rounded.
 
-    All loops here are exact; but where a chain is nearly stretched, a warning may say otherwise.
+    All loops here are exact; but one with a short lever may be rounded as well, and is told to be.
     """
     try:
         robot = parts.robot()

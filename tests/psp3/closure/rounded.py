@@ -85,6 +85,9 @@ def in_plane(x: float, y: float) -> pin.SE3:
 FOUR_BAR = ((0.0, 0.0), (0.12, 0.16), (0.52, 0.3), (0.45, 0.0))
 
 
+FIVE_BAR = ((0.0, 0.0), (-0.12, 0.21), (0.14, 0.48), (0.3, 0.0), (0.41, 0.23))
+
+
 def four_bar(digits: int, seed: int = 3, corners: Any = FOUR_BAR) -> Parts:
     """Return a planar four-bar closed at a point: one of three equations is redundant."""
     a, b, c, d = (in_plane(*corner) for corner in corners)
@@ -199,8 +202,7 @@ def five_bar_by_poses(digits: int, seed: int = 3) -> Parts:
 
     Where it is closed follows from the poses, so that it closes exactly at home, and there only.
     """
-    corners = ((0.0, 0.0), (-0.12, 0.21), (0.14, 0.48), (0.3, 0.0), (0.41, 0.23))
-    o, p, meeting, a, b = (rounded(in_plane(*corner), digits) for corner in corners)
+    o, p, meeting, a, b = (rounded(in_plane(*corner), digits) for corner in FIVE_BAR)
     bodies = [("left", "", o), ("far left", "left", p), ("right", "", a), ("far right", "right", b)]
     # The hinges are where the poses say, each turned as little as rounding turns it.
     rng = np.random.default_rng(seed)
@@ -210,6 +212,55 @@ def five_bar_by_poses(digits: int, seed: int = 3) -> Parts:
     ]
     loops = [("far left", "far right", meeting, "3d")]
     return built(tilted, loops, ("left", "right"), EXACT, seed)
+
+
+def flat_triangle(bend: float, beside: bool = True) -> Parts:
+    """Return two bars that are stretched but for an angle, between two points of the ground.
+
+    They cannot move. Beside them, if asked for, is a five-bar.
+    """
+    start, turn, first, second = np.array([1.0, 0.0]), 0.603, 0.126, 0.171
+    knee = start + first * np.array([np.cos(turn), np.sin(turn)])
+    end = knee + second * np.array([np.cos(turn + bend), np.sin(turn + bend)])
+    bodies = [("near", "", in_plane(*start)), ("far", "near", in_plane(*knee))]
+    loops = [("far", "", in_plane(*end), "3d")]
+    if beside:
+        o, p, meeting, a, b = (in_plane(*corner) for corner in FIVE_BAR)
+        bodies += [("left", "", o), ("far left", "left", p)]
+        bodies += [("right", "", a), ("far right", "right", b)]
+        loops.append(("far left", "far right", meeting, "3d"))
+    return built(bodies, loops, ("left", "right") if beside else ("near",), EXACT)
+
+
+def short_lever(lever: float, turntable: bool) -> Parts:
+    """Return a plate that slides and turns in the plane, and is closed at two points.
+
+    They are so far apart, on the ground or on a turntable of 1 m. What drives is an arm of its own,
+    or the turntable.
+    """
+    model = pin.Model()
+    arm = model.addJoint(0, pin.JointModelRZ(), pin.SE3.Identity(), "arm")
+    x = model.addJoint(0, pin.JointModelPX(), pin.SE3(np.eye(3), np.array([1.0, 0.0, 0.0])), "x")
+    y = model.addJoint(x, pin.JointModelPY(), pin.SE3.Identity(), "y")
+    plate = model.addJoint(y, pin.JointModelRZ(), pin.SE3.Identity(), "plate")
+    inertia = pin.Inertia(1.0, np.array([0.1, 0.02, 0.03]), np.diag([0.01, 0.012, 0.014]))
+    for joint in (arm, x, y, plate):
+        model.addJointFrame(joint)
+        model.appendBodyToJoint(joint, inertia, pin.SE3.Identity())
+    loops = []
+    for across in (0.0, lever):
+        point = np.array([0.2, across, 0.0])
+        on_plate = pin.SE3(np.eye(3), point)
+        on_other = pin.SE3(np.eye(3), point + np.array([1.0, 0.0, 0.0]))
+        loops.append(
+            pin.RigidConstraintModel(
+                pin.ContactType.CONTACT_3D,
+                model,
+                *(arm if turntable else 0, on_other, plate, on_plate),
+                pin.ReferenceFrame.LOCAL,
+            )
+        )
+    return Parts(model, loops, ("arm",))
 
 
 def small_four_bar(digits: int, seed: int = 3) -> Parts:

@@ -15,15 +15,23 @@ from hypothesis import strategies as st
 
 import psp3
 from psp3.closure.mobility import mobility
-from psp3.closure.structure import LARGEST_MISMATCH, TOLD_MISMATCH, robot_size, structure
+from psp3.closure.structure import (
+    LARGEST_MISMATCH,
+    TOLD_MISMATCH,
+    Structure,
+    robot_size,
+    structure,
+)
 from psp3.errors import LoopsDoNotClose, MobilityMismatch, RoundedLoops
 from psp3.multibody.flatten import NO_MOTORS, flattened
 from tests.psp3.closure.rounded import (
     EXACT,
     LINKAGES,
     Parts,
+    flat_triangle,
     four_bar,
     in_plane,
+    short_lever,
     small_four_bar,
 )
 
@@ -116,6 +124,58 @@ def test_redundancy_is_told_from_a_singular_pose(angle: float, digits: int) -> N
     motors = np.eye(3)[:, :1]
     found = structure(parts.model, flat, np.zeros(3), motors)
     assert found.rank == 2
+
+
+def structure_of(parts: Parts) -> Structure:
+    flat = flattened(parts.model, parts.loops, NO_MOTORS)
+    return structure(parts.model, flat, np.zeros(parts.model.nq), np.zeros((parts.model.nv, 0)))
+
+
+@pytest.mark.parametrize("bend", [1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2])
+def test_bars_that_are_nearly_stretched_are_exact_and_held(bend: float) -> None:
+    """Their home is near a singular pose, where a loose reading explains some motion of theirs."""
+    found = structure_of(flat_triangle(bend))
+    assert (found.rank, found.freedoms) == (4, 2)
+    assert found.mismatch < 1e-11
+    assert found.exact is None
+    assert not found.is_stuck
+
+
+@pytest.mark.parametrize("bend", [1e-5, 1e-3, 1e-2])
+def test_what_is_rigid_near_a_singular_pose_is_refused_as_rigid(bend: float) -> None:
+    with pytest.raises(MobilityMismatch, match="0 degrees of freedom"):
+        robot_of(flat_triangle(bend, beside=False))
+
+
+@pytest.mark.parametrize("bend", [0.0, 1e-8])
+def test_bars_that_are_stretched_close_exactly_where_they_are(bend: float) -> None:
+    """What holds them is of second order, so that one motion of theirs is free at home."""
+    found = structure_of(flat_triangle(bend))
+    assert found.is_stuck
+    assert (found.rank, found.freedoms) == (3, 3)
+    assert found.mismatch < 1e-11
+    np.testing.assert_array_equal(found.home, 0.0)
+
+
+def test_a_short_lever_cannot_be_told_from_rounding_and_both_are_known() -> None:
+    """Two points that are 0.7 mm apart on 1 m are one point, or hold a plate exactly."""
+    found = structure_of(short_lever(7e-4, turntable=False))
+    assert found.freedoms == 2
+    assert 1e-4 < found.mismatch < 1e-3
+    assert found.exact is not None
+    assert found.exact.freedoms == 1
+    assert found.exact.mismatch < 1e-11
+    longer = structure_of(short_lever(7e-3, turntable=False))
+    assert (longer.freedoms, longer.exact) == (1, None)
+
+
+@pytest.mark.parametrize("name", list(LINKAGES))
+def test_rounded_loops_of_four_digits_have_no_other_reading(name: str) -> None:
+    """Or one of fewer freedoms, which is told."""
+    builder, freedoms, _ = LINKAGES[name]
+    found = structure_of(builder(4))
+    assert found.freedoms == freedoms
+    assert found.exact is None or found.exact.freedoms < freedoms
 
 
 def test_a_tilted_hinge_is_told_and_a_bent_loop_refused() -> None:

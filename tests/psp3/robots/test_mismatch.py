@@ -12,6 +12,7 @@ import psp3
 from psp3.errors import MobilityMismatch
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from psp3.robots.mismatch import ALLOWED_MISMATCH
+from tests.psp3.closure.rounded import Parts, flat_triangle, short_lever
 
 
 def out_of_plane(by: float) -> ClosedLoopRobot:
@@ -38,6 +39,50 @@ def test_rounded_loops_are_told_and_may_stay_open_by_what_they_contradict(
             data.oMi[loop.joint2_id] * loop.joint2_placement
         )
         assert np.abs(gap.translation).max() <= ALLOWED_MISMATCH * 1e-5
+
+
+def made(parts: Parts) -> ClosedLoopRobot:
+    return ClosedLoopRobot(parts.model, parts.loops, parts.motors, np.zeros(parts.model.nq))
+
+
+def test_what_is_rounded_or_a_short_lever_is_told_with_a_remedy_that_helps(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    parts = short_lever(7e-4, turntable=False)
+    with caplog.at_level(logging.WARNING):
+        made(parts)
+    told = caplog.messages[0]
+    assert "if its numbers are exact, it has 1 instead of 2 degrees of freedom" in told
+    assert told.endswith("make x, y, plate fixed, which cannot move then")
+    caplog.clear()
+    model = pin.buildReducedModel(parts.model, [2, 3, 4], np.zeros(4))
+    with caplog.at_level(logging.WARNING):
+        ClosedLoopRobot(model, [], ["arm"])
+    assert not caplog.messages
+
+
+def test_a_short_lever_that_moves_with_others_is_told_what_would_be_enough(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    with caplog.at_level(logging.WARNING):
+        made(short_lever(7e-4, turntable=True))
+    assert "1 instead of 2 degrees of freedom" in caplog.messages[0]
+    assert caplog.messages[0].endswith("by longer levers, by 1e-03 of the strongest and more")
+    caplog.clear()
+    with caplog.at_level(logging.WARNING):
+        assert made(short_lever(7e-3, turntable=True)).mobility.degrees_of_freedom == 1
+    assert not caplog.messages
+
+
+def test_bars_that_are_stretched_are_told_and_stay_closed(caplog: pytest.LogCaptureFixture) -> None:
+    with caplog.at_level(logging.WARNING):
+        robot = made(flat_triangle(0.0))
+    told = caplog.messages[0]
+    assert "home is a singular pose that the loops do not leave" in told
+    assert "a motion of near, far counts as free (3 degrees of freedom)" in told
+    assert max(robot.closure_mismatch) < 1e-11
+    q = robot.configuration(robot.reference + np.array([0.1, -0.1]))
+    np.testing.assert_array_equal(q[:2], 0.0)
 
 
 def test_free_motions_are_refused_where_that_is_asked_for() -> None:
