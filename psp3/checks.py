@@ -294,8 +294,7 @@ def checked_names(name: str, names: object) -> tuple[str, ...]:
 
 
 def listed(name: str, values: Any, requirement: str) -> tuple[Any, ...]:
-    """Return the items of a list; raise :class:`InvalidValue` if it is a string or not a list.
-    """
+    """Return the items of a list; raise :class:`InvalidValue` if it is a string or not a list."""
     if not isinstance(values, str | bytes | np.ma.MaskedArray):
         with contextlib.suppress(TypeError):
             return tuple(values)

@@ -71,7 +71,7 @@ def read_mesh(path: Path) -> Mesh:
     suffix = path.suffix.lower()
     if suffix not in READ_SUFFIXES:
         raise InvalidFile(
-            path, f"is no mesh that is read here; those end in {', '.join(READ_SUFFIXES)}"
+            path, f"is not a supported mesh file; these end in {', '.join(READ_SUFFIXES)}"
         )
     try:
         content = content_of(path, LARGEST_MESH)
@@ -80,13 +80,15 @@ def read_mesh(path: Path) -> Mesh:
     try:
         mesh = {".stl": _stl, ".obj": _obj, ".msh": _msh}[suffix](content)
     except (ValueError, IndexError, OverflowError) as error:
-        raise InvalidFile(path, f"is no valid {suffix[1:].upper()} file ({error})") from error
+        raise InvalidFile(path, f"is not a valid {suffix[1:].upper()} file ({error})") from error
     if not len(mesh.faces):
         raise InvalidFile(path, "has no triangles")
     if not np.isfinite(mesh.vertices).all():
         raise InvalidFile(path, "has a vertex that is not finite")
     if mesh.faces.min() < 0 or mesh.faces.max() >= len(mesh.vertices):
-        raise InvalidFile(path, f"has a triangle of a vertex beyond its {len(mesh.vertices)}")
+        raise InvalidFile(
+            path, f"has a triangle with a vertex number above {len(mesh.vertices) - 1}"
+        )
     return mesh
 
 
@@ -175,7 +177,7 @@ def _msh(content: bytes) -> Mesh:
         raise ValueError("a negative count")
     numbers = 3 * vertices + 3 * normals + 2 * textures
     if len(content) != 16 + 4 * (numbers + 3 * faces):
-        raise ValueError("a size that is not that of its counts")
+        raise ValueError("its size does not match its counts")
     places = np.frombuffer(content, "<f4", 3 * vertices, 16).astype(float)
     corners = np.frombuffer(content, "<i4", 3 * faces, 16 + 4 * numbers).astype(np.int64)
     return Mesh(places.reshape(-1, 3), corners.reshape(-1, 3))

@@ -130,7 +130,7 @@ class MjcfDocument:
         self._spent.elements += elements
         self._spent.files += files
         if self._spent.elements > MOST_ELEMENTS:
-            raise self.wrong(f"stands for more than {MOST_ELEMENTS} elements")
+            raise self.wrong(f"expands to more than {MOST_ELEMENTS} elements")
         if self._spent.files > MOST_FILES:
             raise self.wrong(f"includes and attaches more than {MOST_FILES} files")
 
@@ -144,7 +144,7 @@ class MjcfDocument:
         """Put the children of included files where the elements <include> stand."""
         if depth > DEEPEST:
             raise self.wrong(
-                f"more than {DEEPEST} elements are in each other, the last {described(element)}"
+                f"elements are nested more than {DEEPEST} deep, the last {described(element)}"
             )
         for index in reversed(range(len(element))):
             child = element[index]
@@ -282,8 +282,7 @@ class MjcfDocument:
         return text == "true"
 
     def total_mass(self) -> float | None:
-        """Return the total mass to which all bodies are scaled [kg]; None without scaling.
-        """
+        """Return the total mass to which all bodies are scaled [kg]; None without scaling."""
         settings = ElementTree.Element("compiler", self.compiler)
         total = self.number(settings, "settotalmass", -1.0)
         return total if total > 0.0 else None

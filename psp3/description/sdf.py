@@ -77,8 +77,8 @@ def read_sdf(
     if actuated is None:
         known = [name for joint in joints for name in _driven(joint)]
         raise document.wrong(
-            "names no motors, as no SDF does: say which joints are actuated (actuated=[...]), of "
-            f"{', '.join(known[:20]) or 'none'}{' and others' if len(known) > 20 else ''}"
+            "names no motors, as SDF has no word for them: say which joints are actuated "
+            f"(actuated=[...]), of {', '.join(known[:20]) or 'none'}{' and others' if len(known) > 20 else ''}"
         )
     names = tuple(actuated)
     pairs = [*_gears(reader, joints), *_mimics(joints)]
@@ -149,8 +149,7 @@ def _described(document: SdfDocument) -> Reader:
 
 
 def _gravity(document: SdfDocument) -> Array:
-    """Return the gravity of a world; for a single model, the default of the other formats.
-    """
+    """Return the gravity of a world; for a single model, the default of the other formats."""
     world = document.root.find("world")
     if world is None:
         return np.array([0.0, 0.0, -9.81])

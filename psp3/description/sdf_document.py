@@ -96,8 +96,7 @@ class SdfDocument:
         return InvalidRobotFile(self.path, reason)
 
     def titled(self, element: ElementTree.Element) -> str:
-        """Return an element's name for a message: the nearest named element around it, and its tag.
-        """
+        """Return how messages name an element: the nearest named element around it, and its tag."""
         above = {child: parent for parent in self.root.iter() for child in parent}
         owner = element
         while owner.get("name") is None and owner in above:
@@ -108,8 +107,7 @@ class SdfDocument:
     # What an element holds
 
     def text(self, element: ElementTree.Element, tag: str) -> str | None:
-        """Return the stripped text of the only child with a tag; None if there is no such child.
-        """
+        """Return the stripped text of the only child with a tag; None if there is no such child."""
         children = element.findall(tag)
         if len(children) > 1:
             raise self.wrong(f"{self.titled(element)} has {len(children)} of <{tag}>")
@@ -199,7 +197,7 @@ class SdfDocument:
             values = self._numbers(element, "pose", text, (7,))
             length = float(np.linalg.norm(values[3:]))
             if not 1e-6 < length < 1e6:
-                raise self.wrong(f"{self.titled(element)}: <pose> has a quaternion of no direction")
+                raise self.wrong(f"{self.titled(element)}: <pose> has a quaternion of zeros")
             return pin.SE3(pin.Quaternion(values[3:] / length), values[:3]), relative_to
         if form != "euler_rpy":
             raise self.wrong(f"{self.titled(element)}: <pose> has the unknown format {form!r}")
@@ -301,8 +299,7 @@ def _parsed(path: Path) -> ElementTree.Element:
 
 
 def _without_comments(content: bytes) -> bytes:
-    """Return a file without its comments, but with their line breaks, to keep line numbers.
-    """
+    """Return a file without its comments, but with their line breaks, to keep line numbers."""
     parts, at = [], 0
     for found in re.finditer(b"<!--|<!\\[CDATA\\[", content):
         if found.start() < at:

@@ -87,8 +87,8 @@ def refuse_extensions(reader: Reader) -> None:
             prefix, is_foreign, tag = item.tag.partition(":")
             if is_foreign and tag in MECHANICAL:
                 raise model.document.wrong(
-                    f"{described(item)} is of {prefix}, not of SDF, and without it the robot would "
-                    "be another: write it as an SDF joint, or give it in Python (closures=[...])"
+                    f"{described(item)} is of {prefix}, not of SDF, and leaving it out would change "
+                    "the robot: write it as an SDF joint, or give it in Python (closures=[...])"
                 )
 
 
@@ -126,9 +126,7 @@ def _unknown(link: Frame) -> list[str]:
     if not document.is_true(element, "gravity", True):
         found.append("lack of gravity")
     if document.is_true(element, "kinematic"):
-        raise document.wrong(
-            f"{described(element)} is moved from outside (kinematic), which is not read"
-        )
+        raise document.wrong(f"{described(element)} is kinematic, which is not supported")
     if document.is_true(element, "enable_wind"):
         found.append("wind")
     decay = element.find("velocity_decay")

@@ -95,7 +95,7 @@ def _pose(path: Path, state: ElementTree.Element, model: pin.Model) -> Array:
     if not pin.isNormalized(model, pose, 1e-6):
         raise InvalidRobotFile(
             path,
-            f"{described(state)}: the coordinates of a ball joint or a free body are no unit "
+            f"{described(state)}: the coordinates of a ball joint or a free body are not a unit "
             "quaternion",
         )
     return pose

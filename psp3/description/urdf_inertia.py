@@ -42,8 +42,7 @@ class _Mass(NamedTuple):
         return np.asarray(self.second + self.mass * pin.skewSquare(center, center))
 
     def moved(self, place: pin.SE3) -> _Mass:
-        """Return the moments in other axes, in which the present axes have a placement.
-        """
+        """Return the moments in other axes, in which the present axes have a placement."""
         center = self.first / self.mass if self.mass else np.zeros(3)
         turn, there = place.rotation, place.act(center)
         second = turn @ self.central @ turn.T - self.mass * pin.skewSquare(there, there)
@@ -131,8 +130,7 @@ def _moment(inertia: _Mass) -> float | None:
 def _carrier(
     path: Path, name: str, above: Mapping[str, tuple[str, bool, ElementTree.Element]]
 ) -> tuple[str, pin.SE3]:
-    """Follow fixed joints upward from a link; return the last link, and the placement in it.
-    """
+    """Follow fixed joints upward from a link; return the last link, and the placement in it."""
     place = pin.SE3.Identity()
     while name in above and above[name][1]:
         name, _, joint = above[name]

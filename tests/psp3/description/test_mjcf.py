@@ -242,7 +242,7 @@ BAD = [
     (
         '<site name="top"/>',
         '<replicate count="1000"><replicate count="1000"><site/></replicate></replicate>',
-        "stands for more than 100000 elements",
+        "expands to more than 100000 elements",
     ),
     ('<site name="top"/>', '<frame childclass="no"><site/></frame>', "no default class 'no'"),
     (
