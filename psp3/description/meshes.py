@@ -87,7 +87,7 @@ def read_mesh(path: Path) -> Mesh:
         raise InvalidFile(path, "has a vertex that is not finite")
     if mesh.faces.min() < 0 or mesh.faces.max() >= len(mesh.vertices):
         raise InvalidFile(
-            path, f"has a triangle with a vertex number above {len(mesh.vertices) - 1}"
+            path, f"has a triangle that refers to a vertex beyond its {len(mesh.vertices)}"
         )
     return mesh
 

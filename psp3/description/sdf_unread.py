@@ -87,8 +87,9 @@ def refuse_extensions(reader: Reader) -> None:
             prefix, is_foreign, tag = item.tag.partition(":")
             if is_foreign and tag in MECHANICAL:
                 raise model.document.wrong(
-                    f"{described(item)} is of {prefix}, not of SDF, and leaving it out would change "
-                    "the robot: write it as an SDF joint, or give it in Python (closures=[...])"
+                    f"{described(item)} is of {prefix}, not of SDF, and leaving it out would "
+                    "change the robot: write it as an SDF joint, or give it in Python "
+                    "(closures=[...])"
                 )
 
 

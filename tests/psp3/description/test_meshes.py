@@ -93,7 +93,7 @@ BAD = {
     "infinite.stl": (text_stl(np.full((3, 3), np.inf), np.array([[0, 1, 2]])), "not finite"),
     "empty.obj": (b"", "has no triangles"),
     "word.obj": (b"v 0 0 zero\n", "is not a valid OBJ file"),
-    "beyond.obj": (b"v 0 0 0\nf 1 2 3\n", "a vertex beyond its 1"),
+    "beyond.obj": (b"v 0 0 0\nf 1 2 3\n", "refers to a vertex beyond its 1"),
     "flat.obj": (b"v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", "beyond its 2"),
     "short.msh": (b"1", "is not a valid MSH file"),
     "negative.msh": (struct.pack("<4i", -1, 0, 0, 0), "a negative count"),
