@@ -486,9 +486,7 @@ def _answer_of_twin(*arguments: Any) -> int:
 
 
 def _partly_independent(model: pin.Model, independent_v: set[int]) -> str:
-    """Return a joint of which only some speeds are independent, and none is a coordinate rate; or
-    ''.
-    """
+    """Return a joint whose speeds are not coordinate rates and only partly independent; or ''."""
     for index in range(1, model.njoints):
         joint = model.joints[index]
         speeds = set(range(joint.idx_v, joint.idx_v + joint.nv))
