@@ -308,7 +308,7 @@ def _speeds_along(tree, memory, group):
 
 @scalar
 def _is_bent(tree, memory, group, fastest):
-    """Tell whether the speeds along the way have changed since the last pose; do not store them."""
+    """Tell whether the speeds along the way have changed since the last pose; restore those."""
     g = tree[AT_GROUPS] + GROUP_INTEGERS * group
     column, columns = tree[g + GROUP_COLUMN], tree[g + GROUP_COLUMNS]
     speed, before = tree[AT_SPEED] + column, tree[AT_MOVED] + column
