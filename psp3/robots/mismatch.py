@@ -1,6 +1,6 @@
-"""Loops that are inconsistent by rounding, and other likely mistakes of a file.
+"""Loops that rounding makes inconsistent, and other likely mistakes in a file.
 
-What is allowed, refused and told when a robot is made of its parts.
+The module decides what is allowed, refused and logged when a robot is constructed.
 """
 
 from __future__ import annotations
@@ -13,25 +13,25 @@ from psp3.errors import MobilityMismatch, RoundedLoops
 from psp3.robots.simple_joints import is_round
 
 ALLOWED_MISMATCH = 10.0
-"""Elsewhere in the workspace loops may stay open by so many times what was found near home."""
+"""Elsewhere in the workspace, loops may stay open by this many times the residual near home."""
 
 
 class ClosureMismatch(NamedTuple):
-    """How far a robot's loops contradict themselves, and what that did to its home."""
+    """How far a robot's loops contradict themselves, and how far this moved its home."""
 
     length: float
-    """How far redundant closure equations stay open in position [m]."""
+    """Position residual of redundant closure equations [m]."""
     angle: float
-    """And in direction [rad]."""
+    """Their angular residual [rad]."""
     home_moved: float
-    """How far the reference pose is from the one that was given, in any joint [m, rad]."""
+    """Largest difference of any joint between the reference pose and the given one [m, rad]."""
 
 
 def allowance(found: Structure) -> tuple[float, float]:
-    """Return the residual that loops may keep by rounding, and the weakest pivot that counts."""
+    """Return the residual that rounding may leave in loops, and the weakest pivot that counts."""
     if found.mismatch <= EXACT:
         return 0.0, 0.0
-    # In meters and radians at once: the kernels look at the largest.
+    # Meters and radians are not distinguished, because the kernels compare the largest residual.
     return ALLOWED_MISMATCH * max(found.length, found.angle), 3.0 * found.dropped
 
 
@@ -41,7 +41,7 @@ def refuse(
     actuated: Sequence[str],
     names: Sequence[str],
 ) -> None:
-    """Refuse a mechanism that does not move, or whose loops do not agree."""
+    """Refuse a mechanism that cannot move, or whose loops contradict each other."""
     freedoms = found_mobility.degrees_of_freedom
     if found.mismatch > LARGEST_MISMATCH or (freedoms == 0 and found.mismatch > EXACT):
         raise RoundedLoops(names[found.worst], found.length, found.angle, freedoms)
@@ -50,9 +50,9 @@ def refuse(
 
 
 def warnings_of(robot: Any, loop: str, found: Structure) -> list[str]:
-    """Return what is told of a robot: rounded loops, limits not kept, and motions that are held.
+    """Return the warnings about a robot: rounded loops, removed limits and held motions.
 
-    ``loop`` is the one that is most open.
+    ``loop`` names the loop that is most open.
     """
     told = []
     if found.mismatch > TOLD_MISMATCH:
@@ -69,7 +69,8 @@ def warnings_of(robot: Any, loop: str, found: Structure) -> list[str]:
             "(home in an SRDF or a key frame)"
         )
     if robot.options["free"] == "keep":
-        # Nothing feels how a round rod has turned; what else is held, hinges cannot replace.
+        # The spin of a round rod has no effect. Other held spins are those that hinges cannot
+        # replace.
         felt = [one for one in robot.locked if one.spin and not is_round(robot.model, one.spin)]
         remedy = "its ball has damping, friction or armature, so that no hinges can replace it"
     else:
