@@ -111,7 +111,9 @@ def together(**arrays: Array) -> list[Array]:
     except ValueError as error:
         shapes = " and ".join(f"{name} {array.shape}" for name, array in arrays.items())
         raise InvalidArray(
-            shapes, "(..., n) with leading dimensions that go together", next(iter(arrays.values()))
+            shapes,
+            "(..., n) with leading dimensions that can be broadcast",
+            next(iter(arrays.values())),
         ) from error
     # Copies, because broadcasting makes read-only views, and numba would compile every kernel again
     # for those. Row-major copies, because numpy would copy a repeated row column by column.
@@ -289,7 +291,7 @@ def checked_names(name: str, names: object) -> tuple[str, ...]:
         with contextlib.suppress(TypeError):  # an array without dimensions
             listed = tuple(names)
     if listed is None or not all(map(is_text, listed)):
-        raise InvalidValue(name, names, f"a list of names; of a single one [{name}]")
+        raise InvalidValue(name, names, f"a list of names; for a single one [{name}]")
     return listed
 
 

@@ -44,8 +44,8 @@ class UnknownRobot(UnknownName):
         self.name, self.known = name, tuple(known)
         PSP3Error.__init__(
             self,
-            f"unknown robot {in_words(name)}; known are {', '.join(known)}; of your own robot give "
-            "the file: psp3.load('my_robot.urdf'), or an .xml (MJCF) or .sdf",
+            f"unknown robot {in_words(name)}; known are {', '.join(known)}; for your own robot "
+            "give the file: psp3.load('my_robot.urdf'), or an .xml (MJCF) or .sdf",
         )
 
 
@@ -102,7 +102,7 @@ class UnreachableTip(PSP3Error, ValueError):
         super().__init__(
             f"tip {_numbers(tip)} m is {1e3 * radius:.1f} mm from the vertical axis at azimuth "
             f"{np.degrees(azimuth):.1f} degrees, where the robot reaches {1e3 * reach:.1f} mm: "
-            "bring it nearer to the axis (of a helix or circle choose a smaller radius)"
+            "bring it nearer to the axis (for a helix or circle choose a smaller radius)"
         )
 
 

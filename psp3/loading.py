@@ -107,7 +107,7 @@ def _from_file(path: Path, options: dict[str, Any]) -> ClosedLoopRobot:
     """Return the robot of a file, read in the format that its outermost element names."""
     if path.suffix.lower() == ".xacro":
         raise InvalidRobotFile(
-            path, "is a macro file: write it out first, with xacro robot.urdf.xacro > robot.urdf"
+            path, "is a macro file: expand it first, with xacro robot.urdf.xacro > robot.urdf"
         )
     # The SDF reader accepts what SDFormat's library accepts, which is not always strict XML.
     tag = "sdf" if path.suffix.lower() in SDF_ENDINGS else read_xml(path, None).tag

@@ -205,7 +205,7 @@ def _tendons(
             name = part.get("joint", "")
             if not _is_scalar(model, joints.get(name)):
                 raise document.wrong(
-                    f"tendon: {described(element)} pulls joint {name!r}, which is no hinge or "
+                    f"tendon: {described(element)} pulls joint {name!r}, which is not a hinge or "
                     "slide of the file"
                 )
             levers[name] = levers.get(name, 0.0) + document.number(part, "coef", 0.0)
@@ -225,8 +225,8 @@ def _couplings(document: MjcfDocument, plain: PlainMjcf, model: pin.Model) -> tu
         for name in (follows, leads):
             if not _is_scalar(model, joints.get(name)):
                 raise document.wrong(
-                    f"equality: {described(element)} couples joint {name!r}, which is no hinge or "
-                    "slide of the file"
+                    f"equality: {described(element)} couples joint {name!r}, which is not a hinge "
+                    "or slide of the file"
                 )
         # The polynomial and Pinocchio's coordinates both count from MuJoCo's reference pose.
         given = document.numbers(element, "polycoef")
@@ -257,13 +257,13 @@ def _motors(
         name = element.get("joint") or element.get("jointinparent") or element.get("tendon")
         if name is None:
             raise document.wrong(
-                f"actuator: {described(element)} drives no joint and no fixed tendon; say which "
-                "joints are actuated (actuated=[...])"
+                f"actuator: {described(element)} drives neither a joint nor a fixed tendon; say "
+                "which joints are actuated (actuated=[...])"
             )
         if element.get("tendon") is not None and name not in tendons:
             raise document.wrong(
-                f"actuator: {described(element)} drives tendon {name!r}, which is no fixed tendon "
-                "of the file; say which joints are actuated (actuated=[...])"
+                f"actuator: {described(element)} drives tendon {name!r}, which is not a fixed "
+                "tendon of the file; say which joints are actuated (actuated=[...])"
             )
         if element.get("tendon") is None and name not in joints:
             raise document.wrong(

@@ -236,7 +236,7 @@ def _mimics(joints: Sequence[Joint]) -> list[Pair]:
             if not names or number >= len(names[0]) or names[0][number] == axis.name:
                 raise document.wrong(
                     f"{title}: <mimic> follows {axis.mimic.get('axis', 'axis')!r} of "
-                    f"{leader.name!r}, which is no other axis of a joint that has one"
+                    f"{leader.name!r}, which is not another axis of a joint"
                 )
             multiplier, offset, reference = (
                 document.number(axis.mimic, tag, default)

@@ -135,7 +135,7 @@ def discretize(system: LinearSystem, period: float) -> LinearSystem:
     with np.errstate(over="ignore", invalid="ignore"):
         whole = expm(block)
     if not np.isfinite(whole).all():
-        raise InvalidValue("period", period, "short enough for the system not to leave all numbers")
+        raise InvalidValue("period", period, "short enough for a finite result")
     return LinearSystem(whole[..., :m, :m], whole[..., :m, m:], period)
 
 

@@ -78,7 +78,7 @@ def checked_motors(robot: ClosedLoopRobot) -> ClosedLoopRobot:
         raise InvalidValue(
             "robot",
             robot.title,
-            f"one whose motors command all coordinates; of this one {followers} follow (free="
+            f"one whose motors command all coordinates; in this one {followers} follow (free="
             "'lock' holds what can be held)",
         )
     return robot

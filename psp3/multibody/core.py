@@ -450,7 +450,7 @@ class Core:
             raise InvalidValue(
                 "coordinates",
                 f"some speeds of joint {self._partly!r}",
-                "all or none of a joint whose speeds are no rates of coordinates, for derivatives: "
+                "for derivatives, all or none of a joint whose speeds are not coordinate rates: "
                 "choose others, coordinates=[...]",
             )
         dynamics = INVERSE_DYNAMICS if question == INVERSE_DERIVATIVES else FORWARD_DYNAMICS

@@ -221,9 +221,7 @@ class ClosedLoopRobot(Described):
             with np.errstate(over="ignore", invalid="ignore"):  # of a home with invalid numbers
                 made = assembled(tree, self.actuated, self.options)
         except np.linalg.LinAlgError as error:
-            raise InvalidValue(
-                "q0", tree.home, "a configuration that can be computed with"
-            ) from error
+            raise InvalidValue("q0", tree.home, "a configuration of valid numbers") from error
         self._take(made)
 
     def _take(self, made: Assembly) -> None:

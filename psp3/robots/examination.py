@@ -19,7 +19,7 @@ LIGHT = 1e-9
 
 HELD = (
     ("", False, 'actuated=[...] names more motors, free="keep" makes them coordinates'),
-    ("the spin of ", True, "nothing, of a rod; of more, hold or drive it (joint_type)"),
+    ("the spin of ", True, "nothing for a rod; else hold or drive it (joint_type)"),
 )
 """Held motions: their names, whether each is the spin of a ball joint, and the remedy."""
 

@@ -30,8 +30,8 @@ def implementation(robot: Any, name: str) -> DynamicsModel:
         raise InvalidValue(
             f"robot.dynamics({name!r}) of a robot with",
             unknown,
-            "a tree with closures at points or frames; robot.dynamics('pinocchio') knows the "
-            "rest, too",
+            "a tree with closures at points or frames; robot.dynamics('pinocchio') covers "
+            "the rest, too",
         )
     if name == "pinocchio":
         from psp3.dynamics.projected import ProjectedDynamics

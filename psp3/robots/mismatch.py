@@ -65,7 +65,7 @@ def warnings_of(robot: Any, loop: str, found: Structure) -> list[str]:
     if robot.without_limits:
         told.append(
             f"{robot.title}: the reference pose has {'; '.join(map(str, robot.without_limits))}, "
-            "so that these limits are not kept: correct them, or give a closed pose within them "
+            "so these limits are not enforced: correct them, or give a closed pose within them "
             "(home in an SRDF or a key frame)"
         )
     if robot.options["free"] == "keep":

@@ -41,8 +41,8 @@ def check_exportable(robot: ClosedLoopRobot) -> None:
             raise InvalidValue(
                 "robot",
                 robot.title,
-                f"one of which what spins is a body of revolution, and moves nothing else: "
-                f"{held} is held, and MuJoCo has no words for that",
+                "one whose spinning body is one of revolution and moves nothing else: "
+                f"{held} is held, which MuJoCo cannot represent",
             )
 
 

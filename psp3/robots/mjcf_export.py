@@ -248,8 +248,8 @@ def _tree(robot: ClosedLoopRobot) -> list[_Body]:
         if freedom > 6:
             raise UnexportableJoint(
                 model.names[joint],
-                f"up to the next body with mass there are {freedom} degrees of freedom, not 6 at "
-                "most",
+                f"up to the next body with mass there are {freedom} degrees of freedom, more "
+                "than 6",
             )
         placement, joints = pin.SE3.Identity(), []
         for number in reversed(chain):
@@ -311,7 +311,7 @@ def _motions(robot: ClosedLoopRobot, number: int, frame: pin.SE3) -> Iterator[_M
     joint = model.joints[number]
     if "Planar" in joint.shortname():
         raise UnexportableJoint(
-            str(model.names[number]), "it is planar, of which the angle is a cosine and a sine"
+            str(model.names[number]), "it is planar, and its angle is a cosine and a sine"
         )
     ball = joint.nq > joint.nv and joint.nv >= 3
     if ball and model.armature[joint.idx_v : joint.idx_v + joint.nv].any():
@@ -349,7 +349,7 @@ def _motions(robot: ClosedLoopRobot, number: int, frame: pin.SE3) -> Iterator[_M
         for other in range(joint.idx_v + joint.nv - 2, joint.idx_v + joint.nv):
             if _forces(robot, number, other) != forces:
                 raise UnexportableJoint(
-                    str(model.names[number]), "it is a ball that its directions brake unequally"
+                    str(model.names[number]), "it is a ball with unequal damping or friction"
                 )
         yield _Motion("ball", np.zeros(3), anchor, (-np.inf, np.inf), forces)
 

@@ -384,4 +384,6 @@ def _angles(**arguments: ArrayLike) -> list[Array]:
     try:
         return [array.copy() for array in np.broadcast_arrays(*arrays)]
     except ValueError as error:
-        raise InvalidArray(" and ".join(arguments), "(...,) that go together", arrays[0]) from error
+        raise InvalidArray(
+            " and ".join(arguments), "(...,) that can be broadcast", arrays[0]
+        ) from error

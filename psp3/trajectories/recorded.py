@@ -219,7 +219,7 @@ def _spline(knots: Array, values: Array, ends: str) -> Any:
             "points",
             float(np.abs(values).max()),
             f"such that a smooth curve goes through them in {knots[-1] - knots[0]:.6g} s: its "
-            "speeds or accelerations are no finite numbers",
+            "speeds or accelerations are not finite",
         )
     missed = _missed(spline, values)
     if missed.max() > MOST_MISSED * np.abs(values).max():

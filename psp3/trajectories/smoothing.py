@@ -85,7 +85,7 @@ def smoothed_motion(t: Array, positions: Array) -> Callable[[Array], tuple[Array
             "positions",
             float(np.abs(positions).max()),
             f"such that a smooth curve goes near them in {length:.6g} s: its speeds or "
-            "accelerations are no finite numbers",
+            "accelerations are not finite",
         )
 
     def motion(times: Array) -> tuple[Array, Array, Array]:

@@ -73,7 +73,7 @@ class Trajectory(Described):
             raise InvalidValue(
                 "space",
                 "tip",
-                "'joints' for another robot than the 3-PSP, whose tip has an inverse kinematics",
+                "'joints': only the tip of the 3-PSP has an inverse kinematics",
             )
 
     def _facts(self) -> dict[str, Any]:
@@ -131,7 +131,7 @@ class Trajectory(Described):
             raise InvalidValue(
                 type(self).__name__,
                 "a motion whose numbers overflow",
-                "slower, of a longer period or duration, and not longer than numbers can say",
+                "slower, with a longer period or duration, or shorter if it is very long",
             )
         return path
 
