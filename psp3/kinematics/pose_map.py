@@ -171,7 +171,7 @@ class KinematicMap(Described):
         Raises
         ------
         InvalidValue
-            If it is no path.
+            If the path is neither text nor a path.
         fuzzy2.errors.FileNotWritten
             If the file cannot be written; an existing file then remains.
         """
@@ -206,7 +206,7 @@ class KinematicMap(Described):
         Raises
         ------
         InvalidValue
-            If it is no path.
+            If the path is neither text nor a path.
         InvalidMapFile
             If the file is missing, too large, or not a complete map of this version.
         """
