@@ -400,7 +400,7 @@ class ProjectedDynamics(Described):
             raise InvalidValue(
                 "derivatives by robot.dynamics('pinocchio') of a robot with",
                 "couplings, hinges, held spins, springs, damping or rounded loops",
-                "a tree with exact closures at points or frames; those of the robot itself know "
+                "a tree with exact closures at points or frames; those of the robot itself cover "
                 "the rest",
             )
         found = self._map(
