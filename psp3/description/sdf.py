@@ -77,8 +77,9 @@ def read_sdf(
     if actuated is None:
         known = [name for joint in joints for name in _driven(joint)]
         raise document.wrong(
-            "names no motors, as SDF has no word for them: say which are actuated (actuated=[...]) "
-            f"of {', '.join(known[:20]) or 'none'}{' and others' if len(known) > 20 else ''}"
+            "names no motors, as SDF has no word for them: say which joints are actuated "
+            "(actuated=[...]), of "
+            f"{', '.join(known[:20]) or 'none'}{' and others' if len(known) > 20 else ''}"
         )
     names = tuple(actuated)
     pairs = [*_gears(reader, joints), *_mimics(joints)]
