@@ -1,6 +1,6 @@
 """Checks of arguments that every module shares.
 
-Finite numbers of the right shape, or an error that says which.
+They return finite numbers of the right shape, or raise an error that names the argument.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from fuzzy2.support.checks import is_path
 from psp3.errors import InvalidArray, InvalidValue, UnknownName
 
 MOST = 2**63 - 1
-"""Whoever gives a greater number does not mean to count to it."""
+"""The greatest count: that of a 64-bit integer. A greater number is a mistake."""
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -34,20 +34,20 @@ def as_floats(name: str, values: ArrayLike, shape: str) -> Array:
     Raises
     ------
     InvalidArray
-        If they are not real numbers. Complex ones are refused: their imaginary part would be lost
-        without a word. So are masked ones: what is under a mask is not meant to be computed with.
+        If they are not real numbers. Complex numbers are refused, because numpy would drop their
+        imaginary part. So are masked arrays, because masked entries must not enter a computation.
     """
     if isinstance(values, np.ma.MaskedArray):
         raise InvalidArray(name, f"{shape} without a mask (take values.filled(...))", values)
     try:
         array = np.asarray(values)
-        # Of objects numpy reads text as numbers, and dates as days.
+        # In an array of objects numpy would read text as numbers and dates as days.
         if array.dtype.kind in "fiub" or (
             array.dtype.kind == "O"
             and all(isinstance(value, numbers.Real | decimal.Decimal) for value in array.flat)
         ):
             floats = np.ascontiguousarray(array, dtype=np.float64)
-            # Of what is read-only numba would compile every kernel anew, or refuse it.
+            # Numba would compile every kernel again for a read-only array, or refuse it.
             return floats if floats.flags.carray else floats.copy()
     except (TypeError, ValueError, OverflowError) as error:
         raise InvalidArray(name, shape, values) from error
@@ -64,7 +64,7 @@ def finite_rows(name: str, values: ArrayLike, width: int) -> Array:
     """
     shape = f"(..., {width})"
     array = as_floats(name, values, shape)
-    # ascontiguousarray makes a row of a scalar, which must not pass for one of width 1.
+    # ascontiguousarray turns a scalar into a row, which must not count as a row of width 1.
     if (
         array.shape[-1:] != (width,)
         or (width == 1 and np.ndim(values) == 0)
@@ -99,22 +99,24 @@ def one_row(name: str, values: ArrayLike, width: int) -> Array:
 def together(**arrays: Array) -> list[Array]:
     """Broadcast the leading dimensions of arrays (..., n) against each other.
 
-    Their last dimensions stay.
+    Their last dimensions are kept.
 
     Raises
     ------
     InvalidArray
-        If the leading dimensions do not go together.
+        If the leading dimensions cannot be broadcast.
     """
     try:
         shape = np.broadcast_shapes(*(array.shape[:-1] for array in arrays.values()))
     except ValueError as error:
         shapes = " and ".join(f"{name} {array.shape}" for name, array in arrays.items())
         raise InvalidArray(
-            shapes, "(..., n) with leading dimensions that go together", next(iter(arrays.values()))
+            shapes,
+            "(..., n) with leading dimensions that can be broadcast",
+            next(iter(arrays.values())),
         ) from error
-    # Copies, because views made by broadcasting are read-only, and numba would compile every kernel
-    # anew for those; row by row, because a copy of a row that is repeated would stand by columns.
+    # Copies, because broadcasting makes read-only views, and numba would compile every kernel again
+    # for those. Row-major copies, because numpy would copy a repeated row column by column.
     return [
         np.array(np.broadcast_to(array, (*shape, array.shape[-1])), order="C")
         for array in arrays.values()
@@ -126,16 +128,16 @@ def applied_to_rows(
 ) -> Array:
     """Apply a function of single rows to arguments with leading dimensions.
 
-    For what takes one configuration at a time, as Pinocchio does.
+    Use it for functions that take one configuration at a time, such as Pinocchio's.
 
     Parameters
     ----------
     function : callable
-        From one row of each argument to an array of the given shape.
+        Takes one row of each argument and returns an array of the given shape.
     shape : tuple of int
         Shape of what it returns.
     **arguments : tuple of array_like and int
-        Arrays (..., n) by the name that an error gives them, each with its n. Their leading
+        Arrays (..., n), each with its n; the keyword is the name that an error uses. The leading
         dimensions are broadcast.
 
     Returns
@@ -145,8 +147,8 @@ def applied_to_rows(
     Raises
     ------
     InvalidArray
-        If an argument has another last dimension, is not finite, or the leading dimensions do not
-        go together.
+        If an argument has another last dimension or is not finite, or the leading dimensions cannot
+        be broadcast.
     """
     arrays = together(
         **{name: finite_rows(name, values, width) for name, (values, width) in arguments.items()}
@@ -158,7 +160,7 @@ def applied_to_rows(
 def checked_number(name: str, value: object, requirement: str, least: float = -math.inf) -> float:
     """Return a real number as a float.
 
-    Raise :class:`InvalidValue` if it is none, or less than the least one.
+    Raise :class:`InvalidValue` if it is not a number, or less than the least one.
     """
     number = math.nan
     if isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool):
@@ -188,7 +190,7 @@ def checked_positive(name: str, value: object) -> float:
 def checked_not_negative(name: str, value: object) -> float:
     """Return a number as a float.
 
-    Raise :class:`InvalidValue` if it is not finite and not negative.
+    Raise :class:`InvalidValue` if it is negative or not finite.
     """
     number = checked_number(name, value, "finite and not negative", 0.0)
     if number == math.inf:
@@ -199,7 +201,8 @@ def checked_not_negative(name: str, value: object) -> float:
 def checked_count(name: str, value: object, least: int = 1, most: int = MOST) -> int:
     """Return a whole number.
 
-    Raise :class:`InvalidValue` if it is none, less than the least one or more than the greatest.
+    Raise :class:`InvalidValue` if it is not whole, less than the least one or more than the
+    greatest.
     """
     if (
         isinstance(value, bool)
@@ -215,16 +218,18 @@ def checked_count(name: str, value: object, least: int = 1, most: int = MOST) ->
 
 
 MOST_SEEDS = 1_000_000
-"""More random runs of one kind than this are a slip of the pen, and no memory holds them."""
+"""The largest number of random runs of one kind. More would not fit into memory, and is a typing
+mistake.
+"""
 
 MOST_STEPS = 10_000
-"""Integration steps in a control period at most: a compiled period hears no Ctrl-C, and so many
-take half a second of a robot with many loops.
+"""The largest number of integration steps in a control period. A compiled period cannot be
+interrupted with Ctrl-C, and this many steps take half a second for a robot with many loops.
 """
 
 
 def check_periods(duration: float, period: float, most: float) -> None:
-    """Raise :class:`InvalidValue` if a time has more control periods than memory holds."""
+    """Raise :class:`InvalidValue` if a duration has more control periods than fit into memory."""
     if not duration / period <= most:
         wanted = f"at most {most:.0e} periods of {period} s, which fit into memory"
         raise InvalidValue("duration", duration, wanted)
@@ -233,7 +238,7 @@ def check_periods(duration: float, period: float, most: float) -> None:
 def checked_steps(value: object) -> int:
     """Return a number of integration steps in a control period.
 
-    Raise :class:`InvalidValue` if it is none, or more than :data:`MOST_STEPS`.
+    Raise :class:`InvalidValue` if it is not a count, or more than :data:`MOST_STEPS`.
     """
     steps = checked_count("steps", value)
     if steps > MOST_STEPS:
@@ -244,14 +249,14 @@ def checked_steps(value: object) -> int:
 
 
 def checked_kind(name: str, value: object, kind: type | tuple[type, ...], requirement: str) -> None:
-    """Raise :class:`InvalidValue` if something is not of a kind."""
+    """Raise :class:`InvalidValue` if a value is not of a kind."""
     if not isinstance(value, kind):
         raise InvalidValue(name, value, requirement)
 
 
 def checked_robot(robot: Any) -> None:
-    """Raise :class:`InvalidValue` if something is no robot."""
-    # A controller has a model, too, which is a robot.
+    """Raise :class:`InvalidValue` if a value is not a robot."""
+    # An attribute ``model`` does not make a robot: a controller has one, too.
     if not hasattr(robot, "reference") and not hasattr(getattr(robot, "model", None), "names"):
         raise InvalidValue("robot", robot, 'a robot, as psp3.load("delta") returns it')
 
@@ -264,9 +269,9 @@ def checked_path(name: str, path: object) -> Path:
 
 
 def is_text(value: object) -> bool:
-    """Tell whether something is text that UTF-8 can hold, and with it libraries in C++.
+    """Tell whether a value is text that can be encoded as UTF-8, as C++ libraries need it.
 
-    Names from a command line that are no UTF-8 have halves of characters.
+    Names from a command line that are not UTF-8 hold lone surrogates.
     """
     if not isinstance(value, str):
         return False
@@ -277,21 +282,21 @@ def is_text(value: object) -> bool:
 
 
 def checked_names(name: str, names: object) -> tuple[str, ...]:
-    """Return names as a tuple; raise :class:`InvalidValue` if they are no list of texts.
+    """Return names as a tuple; raise :class:`InvalidValue` if they are not a list of strings.
 
-    A single text is none: it would be taken letter by letter.
+    A single string is refused, because it would be read letter by letter.
     """
     listed: tuple[Any, ...] | None = None
     if isinstance(names, Iterable) and not isinstance(names, str | bytes | Mapping):
         with contextlib.suppress(TypeError):  # an array without dimensions
             listed = tuple(names)
     if listed is None or not all(map(is_text, listed)):
-        raise InvalidValue(name, names, f"a list of names; of a single one [{name}]")
+        raise InvalidValue(name, names, f"a list of names; for a single one [{name}]")
     return listed
 
 
 def listed(name: str, values: Any, requirement: str) -> tuple[Any, ...]:
-    """Return what a list holds; raise :class:`InvalidValue` if it is none, such as a text."""
+    """Return the items of a list; raise :class:`InvalidValue` if it is a string or not a list."""
     if not isinstance(values, str | bytes | np.ma.MaskedArray):
         with contextlib.suppress(TypeError):
             return tuple(values)
@@ -306,24 +311,24 @@ def known_name(what: str, name: object, known: Collection[str]) -> str:
 
 
 def checked_function(name: str, value: object) -> None:
-    """Raise :class:`InvalidValue` if something cannot be called."""
+    """Raise :class:`InvalidValue` if a value cannot be called."""
     if not callable(value):
         raise InvalidValue(name, value, "a function")
 
 
 def overflow_refused(what: str) -> AbstractContextManager[None]:
-    """Raise :class:`InvalidValue` where numbers overflow, or answers are no numbers."""
+    """Raise :class:`InvalidValue` where numbers overflow or a result is not a number."""
     return checks.overflow_refused(what, InvalidValue)
 
 
 def checked_truth(name: str, value: object) -> bool:
-    """Return True or False; raise :class:`InvalidValue` if something is neither."""
+    """Return True or False; raise :class:`InvalidValue` if the value is neither."""
     checked_kind(name, value, (bool, np.bool_), "True or False")
     return bool(value)
 
 
 def checked_random(rng: object) -> None:
-    """Raise :class:`InvalidValue` if something is no source of random numbers, nor None."""
+    """Raise :class:`InvalidValue` if a value is neither a random generator nor None."""
     wanted = "a generator, numpy.random.default_rng(seed), or None"
     checked_kind("rng", rng, (np.random.Generator, type(None)), wanted)
 

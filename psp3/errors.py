@@ -1,10 +1,10 @@
 """Everything this package raises on purpose.
 
-Each error carries the values it is about and says what to do.
+Each error stores the values that caused it, and its message says what to do.
 
 Errors about an argument are also :class:`ValueError`, so code that knows nothing of this package
-catches them too. Those that :mod:`fuzzy2.errors` knows under the same name are its errors as well:
-who catches a wrong value of one package catches that of the other.
+catches them too. An error that has the same name in :mod:`fuzzy2.errors` is derived from it, so one
+``except`` clause catches the wrong values of both packages.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class PSP3Error(RaisedOnPurpose, Exception):
 
 
 class UnknownName(fuzzy2.errors.UnknownName, PSP3Error):
-    """A name that is looked up is not among the known ones."""
+    """A name is not among the known ones."""
 
 
 class UnknownRobot(UnknownName):
@@ -44,8 +44,8 @@ class UnknownRobot(UnknownName):
         self.name, self.known = name, tuple(known)
         PSP3Error.__init__(
             self,
-            f"unknown robot {in_words(name)}; known are {', '.join(known)}; of your own robot give "
-            "the file: psp3.load('my_robot.urdf'), or an .xml (MJCF) or .sdf",
+            f"unknown robot {in_words(name)}; known are {', '.join(known)}; for your own robot "
+            "give the file: psp3.load('my_robot.urdf'), or an .xml (MJCF) or .sdf",
         )
 
 
@@ -56,7 +56,7 @@ class InvalidArray(PSP3Error, ValueError):
         self.name, self.array = name, array
         try:
             values = np.asarray(array)
-        except Exception:  # rows of different lengths, and what others wrote
+        except Exception:  # rows of different lengths, or a foreign class whose conversion fails
             values = np.asarray(None)
         if values.dtype.kind in "fiu":
             bad = np.count_nonzero(~np.isfinite(values))
@@ -102,14 +102,14 @@ class UnreachableTip(PSP3Error, ValueError):
         super().__init__(
             f"tip {_numbers(tip)} m is {1e3 * radius:.1f} mm from the vertical axis at azimuth "
             f"{np.degrees(azimuth):.1f} degrees, where the robot reaches {1e3 * reach:.1f} mm: "
-            "bring it nearer to the axis (of a helix or circle choose a smaller radius)"
+            "bring it nearer to the axis (for a helix or circle choose a smaller radius)"
         )
 
 
 class StrokeExceeded(PSP3Error, ValueError):
     """A trajectory asks an actuated joint to go beyond its limits.
 
-    Those of a nut are the ends of its screw.
+    The limits of a nut are the ends of its screw.
     """
 
     def __init__(self, time: float, positions: Array, lower: Array, upper: Array) -> None:
@@ -127,7 +127,7 @@ class StrokeExceeded(PSP3Error, ValueError):
 
 
 class OpenLoops(PSP3Error, ValueError):
-    """A configuration does not close the loops."""
+    """The loops are open at a configuration."""
 
     def __init__(self, residual: float, tolerance: float) -> None:
         self.residual, self.tolerance = residual, tolerance
@@ -159,9 +159,9 @@ class ClosureFailed(PSP3Error, ValueError):
 
 
 class LoopsDoNotClose(ClosureFailed):
-    """No configuration of a robot closes its loops, not even nearly, as far as was looked.
+    """The search found no configuration that closes the robot's loops, not even nearly.
 
-    ``residual`` is the least by which they stay open, and ``loop`` the one that does most.
+    ``residual`` is the smallest opening found, and ``loop`` names the loop that is open most there.
     """
 
     def __init__(self, q: Array, residual: float, loop: str, tried: int) -> None:
@@ -171,13 +171,13 @@ class LoopsDoNotClose(ClosureFailed):
         PSP3Error.__init__(
             self,
             f"the loops do not close: from {tried} starts, within the joint limits and beyond, "
-            f"{where} stays open by {residual:.3g} at least (m, rad): correct its frames, or give "
+            f"{where} stays open by at least {residual:.3g} (m, rad): correct its frames, or give "
             "a pose near a closed one (home in an SRDF or a key frame)",
         )
 
 
 class RoundedLoops(PSP3Error, ValueError):
-    """Loops contradict themselves by more than the rounding of a file explains."""
+    """Rounded numbers in a file cannot explain by how much the loops contradict themselves."""
 
     def __init__(self, loop: str, length: float, angle: float, freedoms: int) -> None:
         self.loop, self.length, self.angle, self.freedoms = loop, length, angle, freedoms
@@ -201,7 +201,7 @@ class JointLimitExceeded(PSP3Error, ValueError):
 
 
 class InconsistentVelocity(PSP3Error, ValueError):
-    """A velocity would tear the loops apart."""
+    """A velocity violates the loop constraints."""
 
     def __init__(self, residual: float, tolerance: float) -> None:
         self.residual, self.tolerance = residual, tolerance
@@ -240,7 +240,7 @@ class NoFiniteAnswer(PSP3Error, ValueError):
 class MobilityMismatch(PSP3Error, ValueError):
     """The actuated joints do not command each degree of freedom exactly once.
 
-    These are the degrees of freedom that the loops leave.
+    Only the degrees of freedom that remain when the loops are closed count.
     """
 
     def __init__(self, mobility: Any, actuated: Sequence[str]) -> None:
@@ -276,9 +276,10 @@ class DependentCoordinates(PSP3Error, ValueError):
 
 
 class UnreachableForces(PSP3Error, ValueError):
-    """The motors cannot bring about a motion: some force is needed where none of them acts.
+    """The motors cannot produce a motion: it needs a force where no motor acts.
 
-    ``what`` is missed: ``"forces"`` (N or N m), or ``"accelerations"`` (m/s² or rad/s²).
+    ``what`` names what cannot be reached: ``"forces"`` (N or N m) or ``"accelerations"`` (m/s² or
+    rad/s²).
     """
 
     def __init__(self, residual: float, coordinates: Sequence[str], what: str = "forces") -> None:
@@ -293,7 +294,7 @@ class UnreachableForces(PSP3Error, ValueError):
 
 
 class UnsupportedJoint(PSP3Error, ValueError):
-    """A joint is of a kind whose loops cannot be closed here."""
+    """Loops through a joint of this kind cannot be closed."""
 
     def __init__(self, joint: str, kind: str) -> None:
         self.joint, self.kind = joint, kind
@@ -304,7 +305,7 @@ class UnsupportedJoint(PSP3Error, ValueError):
 
 
 class DisorderedJoints(PSP3Error, ValueError):
-    """A tree's joints are in an order for which Pinocchio's mass matrix is silently wrong."""
+    """The order of a tree's joints makes Pinocchio's mass matrix wrong, without an error."""
 
     def __init__(self, joint: str, parent: str) -> None:
         self.joint, self.parent = joint, parent
@@ -317,7 +318,7 @@ class DisorderedJoints(PSP3Error, ValueError):
 class InvalidFile(PSP3Error, ValueError):
     """Base of the errors about a file that cannot be used.
 
-    ``reason`` is never longer than a reader shows, whatever stands in the file.
+    ``reason`` is shortened, because text from the file may be of any length.
     """
 
     def __init__(self, path: str | Path, reason: str) -> None:
@@ -332,7 +333,7 @@ class InvalidRobotFile(InvalidFile):
 class UnphysicalInertia(PSP3Error, ValueError):
     """A body that turns has an inertia that no rigid body can have.
 
-    So an engine that checks refuses it.
+    A simulator that checks inertias refuses it.
     """
 
     def __init__(self, body: str, moments: Array) -> None:
@@ -350,13 +351,13 @@ class MasslessBody(PSP3Error, ValueError):
         self.body, self.closed, self.children = body, closed, children
         reason = "a loop closes on it" if closed else f"it carries {children} bodies instead of one"
         super().__init__(
-            f"body {body!r} has no mass and {reason}; MuJoCo moves no body without mass: give it "
-            "some"
+            f"body {body!r} has no mass and {reason}; MuJoCo cannot move a body without mass: "
+            "give it some"
         )
 
 
 class UnexportableJoint(PSP3Error, ValueError):
-    """MuJoCo has no such joint."""
+    """MuJoCo has no equivalent of a joint."""
 
     def __init__(self, joint: str, reason: str) -> None:
         self.joint, self.reason = joint, reason
@@ -367,7 +368,7 @@ class UnexportableJoint(PSP3Error, ValueError):
 
 
 class MissingPackage(PSP3Error, RuntimeError):
-    """A package that is needed here, and comes with one of the extras, cannot be imported."""
+    """An optional package, which one of the extras installs, is needed but cannot be imported."""
 
     def __init__(self, package: str, extra: str, reason: object) -> None:
         self.package, self.extra = package, extra
@@ -378,7 +379,7 @@ class MissingPackage(PSP3Error, RuntimeError):
 
 
 class OverlappingShapes(PSP3Error, ValueError):
-    """Two links whose collisions are looked for overlap already at the reference pose."""
+    """Two links of a checked pair already overlap at the reference pose."""
 
     def __init__(self, pairs: Sequence[tuple[str, str]], depths: Sequence[float]) -> None:
         self.pairs, self.depths = tuple(pairs), tuple(depths)
@@ -394,7 +395,7 @@ class OverlappingShapes(PSP3Error, ValueError):
 
 
 class CollisionFound(PSP3Error, ValueError):
-    """Along a motion two links come nearer to each other than they may."""
+    """Two links come closer to each other along a motion than the clearance allows."""
 
     def __init__(
         self,
@@ -424,11 +425,11 @@ class InvalidTrajectoryFile(InvalidFile):
 
 
 class InvalidResultFile(InvalidFile):
-    """A file is not a whole simulation result of this version."""
+    """A file is not a complete simulation result of this version."""
 
 
 class InvalidMapFile(InvalidFile):
-    """A file is not a whole map of a workspace of this version."""
+    """A file is not a complete workspace map of this version."""
 
 
 class SimulationStopped(PSP3Error, RuntimeError):
@@ -459,18 +460,18 @@ class SimulationStopped(PSP3Error, RuntimeError):
 
 
 class SimulationDiverged(SimulationStopped):
-    """The simulated robot left the poses it can take.
+    """The simulated robot left its workspace.
 
-    An arm, a stroke, a joint or the numbers themselves ran out.
+    An arm length, a stroke, a joint limit or the range of the floating-point numbers was exceeded.
     """
 
 
 class InvalidTorque(SimulationStopped):
-    """A controller returned something else than a finite force for each actuated joint."""
+    """A controller did not return a finite force for each actuated joint."""
 
 
 class MotionDiverged(PSP3Error, RuntimeError):
-    """A simulated motion leaves the range of the numbers, or a force is not finite."""
+    """A simulated motion overflows the floating-point numbers, or a force is not finite."""
 
     def __init__(self, time: float, position: float, speed: float, force: float) -> None:
         self.time, self.position, self.speed, self.force = time, position, speed, force
@@ -493,11 +494,11 @@ class NotTrained(PSP3Error, RuntimeError):
 
 
 class InvalidEntry(InvalidFile):
-    """A file, or what is in it, cannot take part in the benchmark."""
+    """A file, or the controller in it, cannot take part in the benchmark."""
 
 
 class WorkersLost(PSP3Error, RuntimeError):
-    """Processes that did the runs of a benchmark ended before their time."""
+    """A worker process of a benchmark ended before its runs were done."""
 
     def __init__(self, path: str | Path, done: int, total: int) -> None:
         self.path, self.done, self.total = Path(path), done, total
@@ -515,20 +516,21 @@ class NoThreshold(PSP3Error, RuntimeError):
         self.name = name
         super().__init__(
             f"this {name} has no threshold yet; call learn(runs) with runs in which everything "
-            "was well"
+            "was normal"
         )
 
 
 class InvalidControllerFile(InvalidFile):
-    """A file is not a trained controller, or one for another robot."""
+    """A file does not hold a trained controller, or holds one for another robot."""
 
 
 class UnusableEstimate(PSP3Error, ValueError):
-    """What was learned holds no mass matrix at all.
+    """The learned rules give no usable mass matrix.
 
-    Even the average over the rules is not positive definite. Of a motion and its forces
-    ``told_apart`` is the part of the accelerations that is no function of the positions, as a share
-    of their root mean square; a motion of one harmonic has none.
+    Even the average over the rules is not positive definite. ``told_apart`` is the part of the
+    accelerations that is not a function of the positions, as a share of their root mean square. It
+    is zero for a motion of one harmonic. It is given when the rules were learned from a motion and
+    its forces.
     """
 
     def __init__(self, mass: Array, told_apart: float | None = None) -> None:
@@ -626,8 +628,7 @@ class SchedulerUnavailable(PSP3Error, RuntimeError):
 class StudyInterrupted(RaisedOnPurpose, KeyboardInterrupt):
     """Ctrl-C ended a study; its file holds ``done`` of ``total`` runs and is valid.
 
-    Not a :class:`PSP3Error`: whoever interrupts wants out, and ``except Exception`` must not stop
-    that.
+    Not a :class:`PSP3Error`: ``except Exception`` must not catch a Ctrl-C.
     """
 
     def __init__(self, path: str | Path, done: int, total: int) -> None:
@@ -668,7 +669,7 @@ class UncertainRank(PSP3Error, RuntimeError):
 
 
 class PoorExcitation(PSP3Error, ValueError):
-    """Measurements do not determine what is to be found from them."""
+    """The measurements do not determine all of the unknowns."""
 
     def __init__(self, what: str, rank: int, needed: int) -> None:
         self.what, self.rank, self.needed = what, rank, needed
@@ -679,14 +680,14 @@ class PoorExcitation(PSP3Error, ValueError):
 
 
 class CorrelatedResiduals(RaisedOnPurpose, UserWarning):
-    """What an identification leaves of the forces is not independent from sample to sample."""
+    """The residual forces of an identification are correlated from sample to sample."""
 
     def __init__(
         self, joint: str, correlation: float, deviation: float, samples: int, effective: float
     ) -> None:
         self.joint, self.correlation, self.deviation = joint, correlation, deviation
         self.samples, self.effective = samples, effective
-        # So far apart, samples of such noise are correlated by a tenth.
+        # At this distance the correlation of such noise has fallen to 0.1.
         self.step = (
             max(2, int(np.ceil(np.log(0.1) / np.log(correlation))))
             if 0.0 < correlation < 1.0
@@ -695,9 +696,9 @@ class CorrelatedResiduals(RaisedOnPurpose, UserWarning):
         super().__init__(
             f"neighboring residuals of joint {joint!r} are correlated by {correlation:.2f}, "
             f"{deviation:.1f} standard deviations beyond independent noise: its {samples} samples "
-            f"tell about as much as {effective:.0f} independent ones, and standard errors and "
-            f"intervals are too small; measure longer and take every {self.step}th sample, or add "
-            "to the model what the residuals show"
+            f"carry as much information as about {effective:.0f} independent ones, so standard "
+            f"errors and intervals are too small; measure longer and take every {self.step}th "
+            "sample, or add to the model what the residuals show"
         )
 
 

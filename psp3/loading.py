@@ -15,13 +15,13 @@ from psp3.three_psp.parameters import Parameters
 from psp3.three_psp.robot import PSP3
 
 READERS = {"robot": "from_urdf", "mujoco": "from_mjcf", "sdf": "from_sdf"}
-"""By the outermost element of a file, the class method that reads it."""
+"""The class method that reads a file, by the file's outermost element."""
 
 ENDINGS = (".urdf", ".xml", ".mjcf", ".sdf", ".world", ".xacro")
-"""What a file of a robot ends in; anything else is the name of a robot."""
+"""File name endings of robot files; anything else is the name of a robot."""
 
 SDF_ENDINGS = (".sdf", ".world")
-"""What only an SDF ends in."""
+"""File name endings that only SDF files have."""
 
 
 @overload
@@ -42,21 +42,21 @@ def load(
     Parameters
     ----------
     name : str or path
-        ``"psp3"``, the 3-PSP, which has a closed form; a robot whose loops are closed by iteration:
-        ``"five_bar"``, ``"planar_3rrr"``, ``"delta"``, ``"gough_stewart"`` or ``"tricept"`` of the
-        thesis, or one of what people build: ``"planar_4rrr"``, ``"jansen"``, ``"agile_eye"``,
+        ``"psp3"``, the 3-PSP, which has a closed form; or a robot whose loops are closed by
+        iteration: ``"five_bar"``, ``"planar_3rrr"``, ``"delta"``, ``"gough_stewart"`` or
+        ``"tricept"``, which the thesis shows, or ``"planar_4rrr"``, ``"jansen"``, ``"agile_eye"``,
         ``"hexa"``, ``"gripper"`` or ``"biped"`` (``urdf/README.md`` describes them); or a file that
-        ends in ``.urdf``, ``.xml``, ``.mjcf``, ``.sdf`` or ``.world``. Its outermost element
-        decides what it is, unless it ends as an SDF. Beside ``my.urdf`` the files ``my.yaml``, its
-        loops, and ``my.srdf``, its poses, are used where they are and ``loops`` and ``srdf`` are
-        not given.
+        ends in ``.urdf``, ``.xml``, ``.mjcf``, ``.sdf`` or ``.world``. The outermost element
+        decides the format, unless the ending is that of an SDF. If ``loops`` and ``srdf`` are not
+        given, the files ``my.yaml`` (loops) and ``my.srdf`` (poses) beside ``my.urdf`` are used
+        where they exist.
     parameters : str or Parameters
         Numbers of the 3-PSP: ``"default"``, ``"table_3_1"``, ``"table_5_1"`` (see
-        :mod:`psp3.three_psp.parameters`) or your own. The other robots have those of their files
-        only.
+        :mod:`psp3.three_psp.parameters`) or your own. The other robots have only the numbers in
+        their files.
     **options
-        Of any robot but the 3-PSP, what :meth:`psp3.ClosedLoopRobot.from_urdf`,
-        :meth:`psp3.ClosedLoopRobot.from_mjcf` or ``from_sdf`` take: ``actuated``, ``free``,
+        For any robot but the 3-PSP, the options of :meth:`psp3.ClosedLoopRobot.from_urdf`,
+        :meth:`psp3.ClosedLoopRobot.from_mjcf` or ``from_sdf``: ``actuated``, ``free``,
         ``coordinates``, ``closures``, ...
 
     Returns
@@ -72,9 +72,9 @@ def load(
         If the robot or the parameter set is unknown; a :class:`ValueError` that lists the known
         names.
     InvalidRobotFile
-        If a file is missing or malformed, or of a kind that is not read.
+        If a file is missing or malformed, or its format is not supported.
     InvalidValue
-        If parameters are given for another robot than the 3-PSP, or options for the 3-PSP.
+        If parameters are given for a robot other than the 3-PSP, or options for the 3-PSP.
     """
     wanted = "the name of a robot, or the path of its file"
     checked_kind("name", name, (str, Path), wanted)
@@ -94,7 +94,7 @@ def load(
             f"'default' for robot {str(name)!r}: only 'psp3' has other sets",
         )
     if name in MJCF_ROBOTS:
-        # Their springs move, with or without a motor.
+        # Joints with springs move even without a motor.
         return ClosedLoopRobot.from_mjcf(ROBOT_FILES / f"{name}.xml", **{"free": "keep", **options})
     if name in ROBOTS:
         return _from_urdf(ROBOT_FILES / f"{name}.urdf", options)
@@ -104,12 +104,12 @@ def load(
 
 
 def _from_file(path: Path, options: dict[str, Any]) -> ClosedLoopRobot:
-    """Return the robot of a file, read as its outermost element says."""
+    """Return the robot of a file, read in the format that its outermost element names."""
     if path.suffix.lower() == ".xacro":
         raise InvalidRobotFile(
-            path, "is a macro file: write it out first, with xacro robot.urdf.xacro > robot.urdf"
+            path, "is a macro file: expand it first, with xacro robot.urdf.xacro > robot.urdf"
         )
-    # The reader of SDF takes what its library takes, which strict XML does not.
+    # The SDF reader accepts what SDFormat's library accepts, which is not always strict XML.
     tag = "sdf" if path.suffix.lower() in SDF_ENDINGS else read_xml(path, None).tag
     if tag not in READERS:
         raise InvalidRobotFile(

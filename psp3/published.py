@@ -87,6 +87,6 @@ state its own.
 """
 
 DURATION = 10.4
-"""Length of the thesis's runs [s], as its PD row tells: Σ‖e‖² = 4.48 (T − 0.106 s)/10 s is 4.6339
-for this T.
+"""Length of the thesis's runs [s], which follows from its PD row: Σ‖e‖² = 4.48 (T − 0.106 s)/10 s
+is 4.6339 for this T.
 """

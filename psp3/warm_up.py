@@ -1,7 +1,7 @@
 """Compile every kernel once, so that the first user of a fresh installation does not wait.
 
-Run by ``psp3 warm-up``, and by ``python -m psp3.warm_up``, which first removes what was compiled of
-other sources.
+``psp3 warm-up`` runs it, and so does ``python -m psp3.warm_up``, which first removes code that was
+compiled from older sources.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ logger = logging.getLogger(__name__)
 def warm_up() -> None:
     """Call every compiled function.
 
-    With a writable cache directory, later processes load what this one compiled. What is compiled
-    next is logged.
+    With a writable cache directory, later processes load what this one compiled. Each step is
+    logged before it is compiled.
     """
     from psp3.loading import load
 
@@ -79,9 +79,9 @@ def _warm_up_closed_form(robot: Any) -> None:
 
 
 def _warm_up_core(robot: Any) -> None:
-    """Compile what any robot with loops uses: loading one compiles the core's answers.
+    """Compile what every robot with loops uses: loading a robot compiles the core.
 
-    Besides those its derivatives, and its plants in a simulation, without drives and with them.
+    This also compiles the derivatives, and the simulated plants with and without drives.
     """
     from psp3.control.classical import ComputedTorque
     from psp3.control.linear_quadratic_regulator import LinearQuadraticRegulator
@@ -96,11 +96,12 @@ def _warm_up_core(robot: Any) -> None:
     way = PointToPoint(robot.reference, goal, 1.0, robot)
     for plant in (RungeKutta(robot), RungeKutta(robot, drive=Drive(coulomb_friction=0.01))):
         simulate(robot, ComputedTorque(robot), way, 0.01, plant=plant)
-        # The loop above is compiled with its plant. A controller in Python calls that by itself.
+        # The loop above includes a compiled plant. A controller in Python calls the plant
+        # separately.
         plant.start(robot.reference, rest)
         plant.advance(rest, 1e-3)
     _warm_up_learning(robot)
-    # And of a robot whose coordinates are not its motors.
+    # The same for a robot whose coordinates are not its motors.
     many = load("planar_4rrr")
     goal = many.reference + 0.01
     way = PointToPoint(many.reference, goal, 1.0, many)
@@ -121,7 +122,7 @@ def _warm_up_learning(robot: Any) -> None:
     recorded = record(robot, sway, sway.period, **gains)
     controller = FuzzyComputedTorque("t1", robot, rules=4, coriolis="mass", **gains)
     simulate(robot, controller.learn(recorded, 100), sway, 0.01)
-    # Estimates call from Python what is a part of a step.
+    # Estimates call a part of the compiled step from Python.
     controller.estimate(robot.reference, np.zeros(len(robot.actuated)))
 
 
@@ -163,6 +164,7 @@ def _warm_up_fuzzy_systems() -> None:
 
 if __name__ == "__main__":
     logging.basicConfig(level=logging.INFO, format="%(message)s")
-    # Code of before is not used (fuzzy2/support/code_files.py), but would stay on the disk.
+    # Code of older sources is never used (fuzzy2/support/code_files.py), but would stay on the
+    # disk.
     forget_code(*(Path(next(iter(package.__path__))) for package in (psp3, fuzzy2)))
     warm_up()

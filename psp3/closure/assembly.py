@@ -19,15 +19,16 @@ from psp3.multibody.tree import COORDINATES, ROWS, SIZE, VELOCITIES
 NONE = np.empty(0)
 
 ASSEMBLED = 1e-9
-"""Residual at which a first configuration is handed to the exact closure [m, rad]."""
+"""Residual at which the exact closure takes over a first configuration [m, rad]."""
 
 MOST_EVALUATIONS = 100
-"""So often the equations are asked for from one start. Where they can be closed some 10 to 50 are
-enough; along a valley that ends open there is no end."""
+"""The largest number of evaluations of the equations from one start. If the loops can be closed, 10
+to 50 are enough; along a valley that ends open, the search would not end.
+"""
 
 
 class _TimeIsUp(Exception):
-    """Thrown through SciPy, which cannot be told to stop."""
+    """Leaves SciPy's search, which cannot be stopped in another way."""
 
 
 def residual(flat: FlatTree, q: Array) -> Array:
@@ -58,10 +59,10 @@ def _equations(flat: FlatTree, q: Array, rows: int) -> tuple[Array, Array]:
 def assembled(model: pin.Model, flat: FlatTree, q0: Array) -> Array:
     """Return a configuration near ``q0``, within the joint limits, that closes the loops.
 
-    All joints move, also the actuated ones.
+    All joints move, including the actuated ones.
 
-    Newton's method with the shortest steps, which is enough near a closed configuration; otherwise
-    SciPy's trust-region least squares on the residual, from ``q0`` and then from up to 30 random
+    Newton's method with the shortest steps is enough near a closed configuration. Otherwise SciPy's
+    trust-region least squares minimizes the residual, from ``q0`` and then from up to 30 random
     configurations around it.
 
     Parameters
@@ -69,14 +70,14 @@ def assembled(model: pin.Model, flat: FlatTree, q0: Array) -> Array:
     model : pinocchio.Model
         The tree.
     flat : FlatTree
-        It and its loops, flattened without motors.
+        The tree and its loops, flattened without motors.
     q0 : (nq,) ndarray
         Where to start.
 
     Returns
     -------
     (nq,) ndarray
-        Closed to about 1e-9; Newton's method does the rest.
+        Closed to about 1e-9; the exact closure does the rest.
 
     Raises
     ------
@@ -102,12 +103,13 @@ def assembled(model: pin.Model, flat: FlatTree, q0: Array) -> Array:
 def nearly_closed(
     model: pin.Model, flat: FlatTree, q0: Array, deadline: float = np.inf
 ) -> Iterator[tuple[Array, float]]:
-    """Yield configurations that open the loops least, each with its residual [m, rad].
+    """Yield configurations with the smallest residuals, each with its residual [m, rad].
 
     SciPy's trust-region least squares finds them within the joint limits, from ``q0`` and then from
-    30 random configurations around it. It ends early at a deadline, in CPU time of the process [s].
+    30 random configurations around it. The search ends early at a deadline, in CPU time of the
+    process [s].
     """
-    # Only here, because most robots are never as far from closed.
+    # Imported here, because most robots never need it.
     from scipy.optimize import least_squares
 
     lower, upper = _tangent_limits(model, q0)
@@ -124,7 +126,7 @@ def nearly_closed(
 
     for attempt in range(31):
         spread = 0.0 if attempt == 0 else 0.1 * attempt
-        # Strictly inside, as the library wants its start.
+        # The library requires a start strictly inside the limits.
         inside = 1e-6 * np.minimum(upper - lower, 1.0)
         start = np.clip(spread * rng.uniform(-1.0, 1.0, model.nv), lower + inside, upper - inside)
         try:
@@ -147,9 +149,9 @@ def nearly_closed(
 
 
 def by_short_steps(model: pin.Model, flat: FlatTree, q: Array) -> Array | None:
-    """Return where Newton's method leads, or None if that is too far.
+    """Return the configuration that Newton's method finds, or None if it is too far away.
 
-    Its steps are those of least length. Too far is farther than a guess may be off.
+    It uses the shortest steps. The greatest distance is that by which a guess may be off.
     """
     moved = np.zeros(model.nv)
     for _ in range(20):
@@ -165,9 +167,9 @@ def by_short_steps(model: pin.Model, flat: FlatTree, q: Array) -> Array | None:
 
 
 def _tangent_limits(model: pin.Model, q0: Array) -> tuple[Array, Array]:
-    """Return how far each degree of freedom may move from q0 before it is at a limit.
+    """Return how far each degree of freedom may move from q0 before it reaches a limit.
 
-    Infinitely far where it has none.
+    The distance is infinite without a limit.
     """
     lower, upper = np.full(model.nv, -np.inf), np.full(model.nv, np.inf)
     for joint in list(model.joints)[1:]:
@@ -178,8 +180,8 @@ def _tangent_limits(model: pin.Model, q0: Array) -> tuple[Array, Array]:
             slice(joint.idx_v, joint.idx_v + joint.nv),
         )
         low, high = model.lowerPositionLimit[q] - q0[q], model.upperPositionLimit[q] - q0[q]
-        # Pinocchio's placeholder for no limit is the largest number there is; a start beyond a
-        # limit is let be.
+        # Pinocchio's placeholder for no limit is the largest floating-point number. A start beyond
+        # a limit is allowed.
         lower[v] = np.where(low < -1e100, -np.inf, np.minimum(low, -1e-3))
         upper[v] = np.where(high > 1e100, np.inf, np.maximum(high, 1e-3))
     return lower, upper

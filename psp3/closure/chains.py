@@ -1,7 +1,7 @@
 """Links, their connections, and the chains from the base to the end effector.
 
-The words are those of section 2.2.13 of the thesis. Joints of several degrees of freedom are chains
-of joints with one each, and bodies that a loop file welds together are one link.
+The terms are those of section 2.2.13 of the thesis. A joint of several degrees of freedom counts as
+a chain of joints with one each. Bodies that a loop file welds together are one link.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from psp3.errors import InvalidValue
 from psp3.multibody.named_frames import frame_number
 
 Link: TypeAlias = tuple[str, ...]
-"""A link, by the names of the joints that carry it; the base is that of ``universe``. What is
-welded of several bodies is carried by several joints.
+"""A link, represented by the names of the joints that carry it; ``universe`` carries the base.
+Several joints carry a link of several welded bodies.
 """
 
 
@@ -33,7 +33,7 @@ def connection_degrees(model: pin.Model, constraint_models: Sequence[Any]) -> di
     model : pinocchio.Model
         The tree.
     constraint_models : sequence of pinocchio.RigidConstraintModel
-        The loop closures: those of three equations are ball joints, those of six are welds.
+        The loop closures: three equations are a ball joint, six are a weld.
 
     Returns
     -------
@@ -49,8 +49,8 @@ def kinematic_chains(
 ) -> tuple[Link, ...]:
     """Return the independent kinematic chains between the base and the end effector.
 
-    Two chains are independent if they share no link but these; what branches and meets again, as
-    the two rods of a parallelogram, is one chain.
+    Two chains are independent if they share only the base and the end effector. Branches that meet
+    again, such as the two rods of a parallelogram, are one chain.
 
     Parameters
     ----------
@@ -64,8 +64,8 @@ def kinematic_chains(
     Returns
     -------
     tuple of tuple of str
-        For every chain the names of the joints that carry its links, without those of the end
-        effector; empty for a chain of a single joint.
+        For every chain, the names of the joints that carry its links, except the end effector;
+        empty for a chain of a single joint.
 
     Raises
     ------
@@ -102,8 +102,9 @@ def is_fully_parallel(
 ) -> bool:
     """Return whether a robot is fully parallel (section 2.2.13).
 
-    It is if the end effector hangs on two or more independent chains, has as many degrees of
-    freedom as there are chains, and as many motors, which command all of them.
+    A robot is fully parallel if two or more independent chains carry the end effector, and if the
+    number of chains equals its degrees of freedom and the number of motors, which command all of
+    them.
 
     Parameters
     ----------
@@ -137,7 +138,7 @@ def is_fully_parallel(
 def _neighbors(
     model: pin.Model, constraint_models: Sequence[Any]
 ) -> dict[tuple[int, ...], set[tuple[int, ...]]]:
-    """Return the links, by the numbers of their joints, with those that joints attach to them."""
+    """Return the neighbors of each link; links are numbered as their joints."""
     welded = {index: {index} for index in range(model.njoints)}
     joined = [(index, model.parents[index]) for index in range(1, model.njoints)]
     for loop in constraint_models:

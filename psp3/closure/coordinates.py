@@ -1,16 +1,18 @@
-r"""Independent coordinates of a mechanism, and what is held where no motor commands a motion.
+r"""Choose independent coordinates of a mechanism, and what is held if no motor commands a motion.
 
-The motions that the loops leave are a basis N of velocities at several poses. A coordinate is a row
-w of joint velocities: it measures :math:`w N` of them. What it measures is taken out of the basis,
-and what is left goes to the next one, so the coordinates are independent of each other.
+The motions that the loops allow are given by a basis N of velocities at each of several poses. A
+coordinate is a row w of joint velocities, and it measures :math:`w N` of these motions. The motion
+that it measures is removed from the basis before the next coordinate is chosen, so the coordinates
+are independent of each other.
 
-In this order they are taken: the coordinates that are asked for; the motors in the order of the
-file, each if it measures something new, those first that do so at every pose; and, of motions that
-are still left, free ones, one joint each: of the joints that measure at least a tenth of what the
-best does in the pose that is worst for it, one with a spring before others, then joints of one
-degree of freedom before the spin of a ball, and of these the first in the file. A floating base
-always keeps its own coordinates, which come last. In a loop it follows, and what motions it has
-left then are kept, too (:mod:`psp3.robots.simple_joints`).
+Coordinates are chosen in this order. First come the wanted coordinates. Then come the motors in the
+order of the file, if they measure something new; motors that do so at every pose are chosen before
+the others. If motions remain, one free joint is chosen for each. The candidates are the joints
+that, in the pose that is worst for them, measure at least a tenth of what the best one measures. A
+joint with a spring is preferred, then a joint of one degree of freedom to the spin of a ball joint,
+then the first in the file. A floating base always keeps its own coordinates, which come last. A
+base in a loop is a dependent joint, and its remaining motions are kept, too
+(:mod:`psp3.robots.simple_joints`).
 """
 
 from __future__ import annotations
@@ -28,25 +30,26 @@ from psp3.errors import DependentCoordinates, UnknownName
 from psp3.multibody.equations import Coupling, Spin
 
 NOTHING = 1e-6
-"""A coordinate that measures less than this of the motions left measures nothing."""
+"""A coordinate counts as measuring nothing if it measures less than this of the remaining motions.
+"""
 
 WELL = 0.01
-"""A motor that measures this much of the motions left, at every pose, does it well."""
+"""A motor measures well if it measures at least this of the remaining motions at every pose."""
 
 STILL = 1e-6
-"""Of a motion that others do not feel they measure no more than this."""
+"""Other rows measure at most this of a motion that is independent of them."""
 
 GOOD_SHARE = 0.1
-"""A joint that measures this share of what the best one does is good enough."""
+"""A joint is good enough if it measures this share of what the best one measures."""
 
 
 class Locked(NamedTuple):
-    """A free motion that is held: the joint that is frozen, and all that could move with it."""
+    """A free motion that is held: the locked joint, and all joints that could move with it."""
 
     joint: str
     moving: tuple[str, ...]
     spin: Spin | None
-    """For a ball, the direction in which it does not turn."""
+    """For a ball joint, the axis about which it does not rotate."""
 
     def __str__(self) -> str:
         what = f"the spin of {self.joint}" if self.spin is not None else self.joint
@@ -64,13 +67,13 @@ class Coordinates(NamedTuple):
     speeds: Indices
     """Places of their speeds in the velocities, (n,)."""
     locked: tuple[Locked, ...]
-    """What is held, or would be if free motions were locked."""
+    """Free motions that are held, or would be if free motions were locked."""
     held: tuple[int, ...]
     """Velocities that are held at zero."""
 
     @property
     def spins(self) -> list[Spin]:
-        """The directions in which balls do not turn."""
+        """The axes about which ball joints do not rotate."""
         return [one.spin for one in self.locked if one.spin is not None]
 
 
@@ -91,18 +94,18 @@ def chosen_coordinates(
     model : pinocchio.Model
         The tree.
     found : Structure
-        Of its closures.
+        The structure of its closures.
     closures : sequence
         The closures.
     motors : (nv, m) ndarray
-        What each motor drives.
+        The joint velocities that each motor drives, one column per motor.
     free : str
-        ``"keep"``: free motions of joints of one degree of freedom get coordinates; otherwise,
-        and of the spin of a ball, they are named in ``locked``.
+        ``"keep"``: free motions of joints of one degree of freedom get coordinates. Otherwise they
+        are listed in ``locked``, as the spin of a ball joint always is.
     wanted : sequence of str, optional
         Joints of one degree of freedom that come first.
     springs : mapping, optional
-        Whose keys are the joints that have a spring.
+        The joints that have a spring, as keys.
     kept : sequence of str
         Joints of one degree of freedom that come after the motors, and are never locked.
 
@@ -111,7 +114,7 @@ def chosen_coordinates(
     UnknownName
         If a wanted joint does not exist.
     DependentCoordinates
-        If a wanted joint cannot be a coordinate besides those before it.
+        If a wanted joint cannot be a coordinate in addition to those before it.
     """
     choice = _Choice(model, found)
     base = floating_base(model, closures)
@@ -156,12 +159,12 @@ def chosen_coordinates(
 
 
 def is_ball(joint: Any) -> bool:
-    """Tell whether a joint turns about a point."""
+    """Tell whether a joint rotates about a point."""
     return (joint.nq, joint.nv) == (4, 3) and "Spherical" in joint.shortname()
 
 
 class _Choice:
-    """The motions that are still without a coordinate, at every pose."""
+    """The motions that have no coordinate yet, at every pose."""
 
     def __init__(self, model: pin.Model, found: Structure) -> None:
         self.model, self.least = model, max(NOTHING, found.tolerance)
@@ -174,19 +177,19 @@ class _Choice:
 
     @property
     def left(self) -> int:
-        """How many motions are left."""
+        """Number of remaining motions."""
         return int(min((basis.shape[1] for basis in self.bases), default=0))
 
     def measured(self, row: Array) -> float:
-        """Return how much a row of velocities measures in the pose that is best for it."""
+        """Return how much a row of velocities measures in its best pose."""
         return float(max(np.linalg.norm(row @ basis) for basis in self.bases))
 
     def measures(self, velocity: int) -> float:
-        """Return how much one velocity measures in the pose that is best for it."""
+        """Return how much one velocity measures in its best pose."""
         return float(max(np.linalg.norm(basis[velocity]) for basis in self.bases))
 
     def wanted(self, names: Sequence[str]) -> list[int]:
-        """Take the coordinates that are asked for; return their velocities."""
+        """Choose the wanted coordinates; return their velocities."""
         taken: list[int] = []
         for name in names:
             if not self.model.existJointName(name) or name == self.model.names[0]:
@@ -199,10 +202,10 @@ class _Choice:
         return taken
 
     def driven(self, motors: Array) -> list[int]:
-        """Take a coordinate of each motor that commands a motion of its own.
+        """Choose a coordinate of each motor that commands an independent motion.
 
-        First of those that do it well at every pose, so that home is no dead point; then of those
-        that do it at some pose.
+        Motors that measure well at every pose come first, so that home is not a dead point; then
+        those that measure something at some pose.
         """
         taken: dict[int, int] = {}
         for measure, least in ((self.worst, WELL), (self.measured, self.least)):
@@ -219,21 +222,21 @@ class _Choice:
         return [taken[number] for number in sorted(taken)]
 
     def worst(self, row: Array) -> float:
-        """Return how much a row measures in the pose that is worst for it."""
+        """Return how much a row measures in its worst pose."""
         return float(min(np.linalg.norm(row @ basis) for basis in self.bases))
 
     def take(self, velocities: Sequence[int]) -> None:
-        """Take out what joint velocities measure."""
+        """Remove the motions that joint velocities measure."""
         for velocity in velocities:
             self.remove(np.eye(self.model.nv)[velocity])
 
     def remove(self, row: Array) -> None:
-        """Take out what a row measures; a pose where that is nothing is left out, too."""
+        """Remove the motion that a row measures, and poses at which it measures nothing."""
         able = [basis for basis in self.bases if np.linalg.norm(row @ basis) > self.least]
         self.bases = [_without(basis, row @ basis) for basis in able]
 
     def best(self, springs: Mapping[str, Any], home: Array) -> tuple[Array, Spin | None]:
-        """Return the row that measures one more motion by the rule, for a ball with its spin."""
+        """Return the next row by the rule of this module; for a ball joint, also its spin."""
         found: list[tuple[float, int, int | Array, Spin | None]] = []
         worst = np.min([np.linalg.norm(basis, axis=1) for basis in self.bases], axis=0)
         for index in range(1, self.model.njoints):
@@ -253,13 +256,13 @@ class _Choice:
         if not best > self.least:
             raise DependentCoordinates("", [])
         good = [one for one in found if one[0] >= GOOD_SHARE * best]
-        # Of equals the first.
+        # The first one in the file if several are equal.
         _, _, which, spin = min(good, key=lambda one: one[1])
         return np.eye(self.model.nv)[which] if isinstance(which, int) else which, spin
 
 
 def bases(model: pin.Model) -> list[Any]:
-    """Return the joints of what floats or slides on a plane, those of bases before others."""
+    """Return the floating and planar joints; those on the world come first."""
     found = [
         joint
         for joint in list(model.joints)[1:]
@@ -269,7 +272,7 @@ def bases(model: pin.Model) -> list[Any]:
 
 
 def floating_base(model: pin.Model, closures: Sequence[Any]) -> Any:
-    """Return the first joint of what floats that no loop contains, or None."""
+    """Return the first floating or planar joint that no loop contains, or None."""
     loops = [one for one in closures if not isinstance(one, Coupling | Spin)]
     for joint in bases(model):
         ends = [
@@ -282,9 +285,9 @@ def floating_base(model: pin.Model, closures: Sequence[Any]) -> Any:
 
 
 def _without(basis: Array, measured: Array) -> Array:
-    """Return a basis without the direction that a row measures, by Householder's reflection.
+    """Remove the direction that a row measures from a basis, with a Householder reflection.
 
-    It turns that direction into the first column, which goes.
+    The reflection maps that direction to the first column, which is dropped.
     """
     mirror = measured.copy()
     mirror[0] += np.copysign(np.linalg.norm(measured), measured[0])
@@ -295,7 +298,7 @@ def _without(basis: Array, measured: Array) -> Array:
 def _moving(
     model: pin.Model, found: Structure, rows: Sequence[Array], others: Sequence[Array]
 ) -> list[tuple[str, ...]]:
-    """Return the joints that move when one of the rows does and all others do not."""
+    """Return, for each row, the joints that move when this row moves and all other rows rest."""
     if not rows:
         return []
     moves = np.zeros((len(rows), model.nv), dtype=bool)
@@ -317,9 +320,9 @@ def _moving(
 
 
 def _alone(measured: Array, count: int) -> Iterator[Array]:
-    """Yield, for each of the first rows, the motions of which all other rows measure nothing.
+    """Yield, for each of the first rows, the motions that no other row measures.
 
-    Where there are as many rows as motions, and independent, these are columns of the inverse.
+    With as many independent rows as motions, these are columns of the inverse.
     """
     is_square = measured.shape[0] == measured.shape[1]
     if is_square and np.linalg.svd(measured, compute_uv=False)[-1] > STILL:

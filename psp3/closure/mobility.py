@@ -5,8 +5,8 @@ the actuated joints :math:`N_a` and the others,
 
 .. math:: f = n_v - \operatorname{rank} \Phi
 
-degrees of freedom remain. The motors command :math:`\operatorname{rank} N_a` of them: what is left
-of f moves freely (under-actuation), and motors beyond that rank work against each other
+degrees of freedom remain. The motors command :math:`\operatorname{rank} N_a` of them. The rest of f
+moves freely (under-actuation), and motors beyond that rank work against each other
 (over-actuation). Counting equations, as in the formula of Chebyshev, Grübler and Kutzbach, gives
 :math:`n_v - m`, which is too small wherever closures are redundant.
 """
@@ -29,24 +29,24 @@ from psp3.multibody.tree import ROWS
 
 
 class Mobility(NamedTuple):
-    """How many ways a mechanism can move, and how many of them its motors command."""
+    """Degrees of freedom of a mechanism, and how many of them its motors command."""
 
     degrees_of_freedom: int
-    """Of the mechanism in general position."""
+    """Degrees of freedom of the mechanism in general position."""
     actuators: int
     """Number of actuated joints."""
     commanded: int
     """Degrees of freedom that the actuators command."""
     joint_velocities: int
-    """Of the tree with its loops open."""
+    """Degrees of freedom of the tree with open loops."""
     closure_equations: int
-    """Three or six for every closure."""
+    """Closure equations: three or six for every closure."""
     rank: int
     """Independent closure equations."""
     free_joints: tuple[str, ...]
     """Joints that can still move with every actuator locked."""
     dependent_actuators: tuple[str, ...]
-    """Actuators that others already determine; which ones are named depends on the order."""
+    """Actuators whose motion the actuators before them determine; so it depends on the order."""
 
     @property
     def redundant_equations(self) -> int:
@@ -57,7 +57,7 @@ class Mobility(NamedTuple):
     def by_counting(self) -> int:
         """Degrees of freedom after Chebyshev, Grübler and Kutzbach.
 
-        They count equations and not their rank.
+        The formula counts equations, not their rank.
         """
         return self.joint_velocities - self.closure_equations
 
@@ -68,7 +68,7 @@ class Mobility(NamedTuple):
 
     @property
     def over_actuation(self) -> int:
-        """Actuators beyond those that would do."""
+        """Actuators beyond the necessary number."""
         return self.actuators - self.commanded
 
     def __str__(self) -> str:
@@ -115,7 +115,7 @@ def mobility(
     Returns
     -------
     Mobility
-        Degrees of freedom, rank and actuators. ``str`` of it is a sentence.
+        Degrees of freedom, rank and actuators. ``str`` gives a sentence.
 
     Raises
     ------
@@ -139,10 +139,11 @@ def mobility(
 def mobility_of(
     model: pin.Model, flat: FlatTree, found: Structure, motors: Array, actuated: Sequence[str]
 ) -> Mobility:
-    """Return the mobility that a structure gives motors, of which the matrix (nv, m) is given."""
+    """Return the mobility of a structure with the motors of a matrix (nv, m)."""
     motions, rank = found.motions[-1], found.rank
     names = list(model.names)
-    # Joints of several degrees of freedom cannot be commanded; who builds the robot says so.
+    # Motors cannot command joints of several degrees of freedom; the robot's constructor refuses
+    # them.
     driven = motors.T @ motions
     commanded = rank_of_motions(driven, found.tolerance)
     return Mobility(
@@ -160,7 +161,7 @@ def mobility_of(
 def _moving(
     model: pin.Model, names: list[str], motions: Array, driven: Array, tolerance: float
 ) -> tuple[str, ...]:
-    """Return the joints that move in some motion that moves no motor."""
+    """Return the joints that can move while no motor moves."""
     if not motions.shape[1]:
         return ()
     free = motions @ null_space(driven, tolerance, 1.0)
@@ -175,7 +176,7 @@ def _moving(
 
 
 def _dependent(driven: Array, actuated: list[str], tolerance: float) -> tuple[str, ...]:
-    """Return the actuated joints whose motion follows from that of those before them."""
+    """Return the actuated joints whose motion the actuated joints before them determine."""
     names, rank = [], 0
     for count, name in enumerate(actuated, start=1):
         more = rank_of_motions(driven[:count], tolerance)

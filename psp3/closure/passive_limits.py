@@ -12,7 +12,7 @@ from psp3.errors import JointLimitExceeded
 class PassiveLimits:
     """Limits of the joints that are not actuated.
 
-    Trajectories and the simulation check those of the motors.
+    Trajectories and the simulation check the limits of the motors.
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ class PassiveLimits:
     """
 
     def __init__(self, model: pin.Model, actuated: tuple[str, ...]) -> None:
-        # Without the universe: Pinocchio's placeholder claims one coordinate, the last of q.
+        # The universe is skipped: Pinocchio's placeholder for it claims the last coordinate of q.
         passive = [
             (str(name), joint.idx_q)
             for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True)
@@ -37,7 +37,7 @@ class PassiveLimits:
         )
 
     def check(self, configurations: Array) -> None:
-        """Raise :class:`JointLimitExceeded` for the first of configurations (N, nq) beyond one."""
+        """Raise :class:`JointLimitExceeded` for the first configuration (N, nq) beyond a limit."""
         values = configurations[:, self._index]
         # Written so that NaN counts as beyond.
         beyond = ~((self._lower <= values) & (values <= self._upper))

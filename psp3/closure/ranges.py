@@ -1,4 +1,4 @@
-"""Joint ranges: poses inside them, and ranges that no closed pose fits."""
+"""Joint ranges: poses inside them, and ranges that contain no closed pose."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ import pinocchio as pin
 from psp3.checks import Array
 
 ROUNDING = 1e-6
-"""A joint that is beyond a limit by no more than this is at it [m, rad]."""
+"""A joint that is beyond a limit by at most this counts as at the limit [m, rad]."""
 
 
 class Beyond(NamedTuple):
-    """A joint that is outside its range in the reference pose, so that this limit cannot hold."""
+    """A joint outside its range in the reference pose. Its limit is removed."""
 
     joint: str
     position: float
-    """Where it is [m or rad]."""
+    """Position of the joint [m or rad]."""
     limit: float
-    """The limit that it is beyond [m or rad]."""
+    """The exceeded limit [m or rad]."""
 
     def __str__(self) -> str:
         side = "below" if self.position < self.limit else "above"
@@ -29,30 +29,30 @@ class Beyond(NamedTuple):
 
 
 def within_limits(model: pin.Model, q: Array) -> Array:
-    """Return a configuration with every joint of one coordinate brought inside its limits."""
+    """Return a configuration with every joint of one coordinate moved inside its limits."""
     inside = np.array(q, dtype=float)
     for _, at, low, high in _ranges(model):
         if not low <= inside[at] <= high:
-            # Not on the limit, where a leg may be stretched.
+            # Not onto the limit, because a leg may be stretched there.
             margin = 0.05 * min(high - low, 1.0)
             inside[at] = low + margin if inside[at] < low else high - margin
     return inside
 
 
 def how_far_beyond(model: pin.Model, q: Array) -> float:
-    """Return by how much joints of one coordinate are beyond their limits, all together [m, rad].
+    """Return the sum over joints of one coordinate of the distance beyond their limits [m, rad].
 
-    Zero where all are inside, to rounding.
+    It is zero if all are inside, to rounding.
     """
     outside = (max(low - q[at], q[at] - high) for _, at, low, high in _ranges(model))
     return float(sum(one for one in outside if not one <= ROUNDING))
 
 
 def freed(model: pin.Model, q: Array) -> tuple[pin.Model, tuple[Beyond, ...]]:
-    """Return a model whose ranges hold a configuration, and what had to be done for it.
+    """Return a model whose ranges contain a configuration, and the limits that were removed.
 
-    A limit that a joint is at, to rounding, is moved to where the joint is; one that a joint is
-    beyond is taken away.
+    If a joint is at a limit, to rounding, the limit is moved to the joint; if it is beyond, the
+    limit is removed.
     """
     made, beyond = model, []
     for name, at, low, high in _ranges(model):
@@ -71,11 +71,11 @@ def freed(model: pin.Model, q: Array) -> tuple[pin.Model, tuple[Beyond, ...]]:
 
 
 def _ranges(model: pin.Model) -> Iterator[tuple[str, int, float, float]]:
-    """Yield name, place and limits of each joint of one coordinate that has any."""
+    """Yield name, place and limits of each joint of one coordinate that has limits."""
     for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True):
         if joint.nq == 1:
             at = joint.idx_q
             low, high = float(model.lowerPositionLimit[at]), float(model.upperPositionLimit[at])
-            # A limit that is at infinity, or below the other, is none.
+            # An infinite limit does not count, nor an upper limit below the lower one.
             if low <= high:
                 yield str(name), at, low, high

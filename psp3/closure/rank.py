@@ -1,8 +1,8 @@
-"""Ranks, null spaces, and the un-actuated joints by rank.
+"""Ranks, null spaces, and the inverse for the un-actuated joints.
 
-A matrix of computed numbers is never quite singular, so each rank needs a size below which a
-singular value counts as zero. These are all here, with their reasons; the core has pivots instead,
-see :mod:`psp3.multibody.least_squares`.
+A matrix of computed numbers is never exactly singular, so each rank needs a tolerance below which a
+singular value counts as zero. All tolerances are in this module, with their reasons. The core uses
+pivots instead, see :mod:`psp3.multibody.least_squares`.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from psp3.checks import Array
 from psp3.errors import SingularConfiguration
 
 RANK_TOLERANCE = 1e-9
-"""Singular values up to this share of the largest one count as zero. Rounding leaves about 1e-15 of
-it, and what is conditioned worse than 1e9 would leave too few digits to be of use.
+"""Singular values up to this share of the largest one count as zero. Rounding errors are about
+1e-15 of it, and a condition number above 1e9 would leave too few correct digits.
 """
 
 ASSEMBLED_RANK_TOLERANCE = 1e-7
-"""As :data:`RANK_TOLERANCE`, where configurations are only assembled: their loops are open by up to
-1e-9, and closure equations that follow from others miss by as much.
+"""As :data:`RANK_TOLERANCE`, for configurations that are only assembled. Their loops are open by up
+to 1e-9, and redundant closure equations differ by as much.
 """
 
 
@@ -46,11 +46,11 @@ def null_space(matrix: Array, tolerance: float, size: float | None = None) -> Ar
     Parameters
     ----------
     matrix : (m, n) ndarray
-        The matrix; without rows, all directions count.
+        The matrix; if it has no rows, the basis has all directions.
     tolerance : float
         Singular values up to this share of ``size`` count as zero.
     size : float, optional
-        What they are compared with; the largest of them by default.
+        The size with which they are compared; by default the largest singular value.
 
     Returns
     -------
@@ -65,7 +65,7 @@ def null_space(matrix: Array, tolerance: float, size: float | None = None) -> Ar
 
 
 def dependent_solver(jacobian: Array) -> Array:
-    r"""Return :math:`(\Phi^u)^{-1}`, or the pseudo-inverse where the closures are redundant.
+    r"""Return :math:`(\Phi^u)^{-1}`, or the pseudo-inverse if the closures are redundant.
 
     Parameters
     ----------
@@ -103,11 +103,11 @@ def dependent_solver(jacobian: Array) -> Array:
 
 
 def _certain_inverse(matrix: Array) -> Array | None:
-    """Return the (pseudo-)inverse where the columns are independent beyond doubt, else None.
+    """Return the (pseudo-)inverse if the columns are certainly independent, else None.
 
-    Three times as fast as by singular values, which are left to decide the rest: no condition
-    number is larger than the product of the largest entries of a matrix and of its inverse, times
-    the square of their width.
+    This takes a third of the time of singular values, which decide the uncertain cases. The
+    condition number is at most the product of the largest entries of the matrix and of its inverse,
+    times the square of their width.
     """
     rows, columns = matrix.shape
     if rows < columns:

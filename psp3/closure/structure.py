@@ -1,27 +1,29 @@
-r"""What closure equations are in general position: rank, and how far they contradict each other.
+r"""Find the rank of closure equations in general position, and how far they contradict each other.
 
-The numbers of a robot file are rounded. Where a loop says something twice, as a planar loop in
-space does, the two then differ a little, the loop closes nowhere exactly, and the Jacobian J of the
-closure equations has full rank by a hair. A singular pose lowers the rank, too. What tells the
-three apart: redundancy persists over the poses, a singular pose does not, and a singular value that
-is there by rounding alone is no larger than the residual that rounding leaves.
+The numbers in a robot file are rounded. A planar loop in space, for example, has redundant
+equations, which then differ slightly. Such a loop closes exactly nowhere, and the Jacobian J of the
+closure equations barely has full rank. A singular pose lowers the rank, too. Redundancy holds at
+all poses and a singular pose does not. A singular value that is due to rounding is no larger than
+the residual that rounding leaves.
 
-So loops are closed by Gauss–Newton steps in which singular values below a threshold count as zero,
-at home and at poses of a random walk along the motions that are left. Thresholds are tried by
-decades. One is explained where the loops come to rest with a small residual :math:`\mu`, and what
-counts as zero is far below what does not, and at most some :math:`\mu`. Of these the strictest is
-taken in which all that counts is well above what rounding makes: numbers with few digits often
-close exactly at home, all the same, and a strict reading then holds what only they hold. Motors
-have no say in it, so that the freedoms of a mechanism do not depend on where its motors are.
+So the loops are closed with Gauss–Newton steps in which singular values below a threshold count as
+zero: at home, and at poses of a random walk along the remaining motions. Thresholds are tried by
+decades. A threshold is accepted if the loops come to rest with a small residual :math:`\mu`, and if
+the singular values that count as zero are far below the others and at most a few :math:`\mu`. Among
+these thresholds, the strictest one is chosen for which all other singular values are well above
+those of rounding. (Numbers with few digits often close the loops exactly at home. A strict
+threshold then blocks motions that only the rounded numbers block.) The motors are not used, so the
+degrees of freedom of a mechanism do not depend on the places of its motors.
 
-Loops that are exact can be weak, too: those of a leg that is nearly stretched, and held there. Near
-the singular pose a loose reading looks explained, as :math:`\mu` is of second order in how far the
-joints have moved. But the motion that it claims opens the loops more the farther it goes, while
-what rounding makes stays as small everywhere. So where a stricter reading closes the loops exactly,
-the claimed motion is followed over a long way, and the loose reading is refuted if the loops open.
+Exact loops can be weak, too. An example is a leg that is nearly stretched and held there. Near this
+singular pose a loose threshold seems to be explained, because :math:`\mu` grows with the square of
+the distance that the joints have moved. But the motion that a loose threshold takes for free opens
+the loops more and more as it goes on. The gaps that rounding leaves stay small everywhere. So if a
+stricter threshold closes the loops exactly, this motion is followed over a long way, and the loose
+threshold is rejected if the loops open.
 
-Position rows and sliding joints are measured in sizes of the robot, so that lengths and angles
-compare; a loop that is much smaller is measured by itself before it is called weak.
+Position rows and sliding joints are measured in sizes of the robot, so that lengths and angles can
+be compared. A loop that is much smaller is also measured in its own size before it counts as weak.
 """
 
 from __future__ import annotations
@@ -42,50 +44,50 @@ from psp3.multibody.first_answers import compile_answers
 from psp3.multibody.flatten import FlatTree
 
 LARGEST_MISMATCH = 2e-3
-"""Loops that stay open by more than this do not close [rad, or sizes of the robot]: four digits
-leave up to 1e-3.
+"""Loops that stay open by more than this do not close [rad, or sizes of the robot]. Numbers with
+four digits leave up to 1e-3.
 """
 
 TOLD_MISMATCH = 1e-6
-"""From here on a mismatch is told [rad, or sizes of the robot]: a small real error cannot be told
-from a rounded number.
+"""A mismatch of at least this is logged [rad, or sizes of the robot], because a small real error
+cannot be distinguished from rounding.
 """
 
 EXACT = 1e-11
-"""A mismatch up to this is the rounding of the computer, not of the file [rad, or sizes]."""
+"""A mismatch up to this is floating-point rounding, not rounding in the file [rad, or sizes]."""
 
 THRESHOLDS = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
 """Shares of the largest singular value that may count as zero, strictest first."""
 
 GAP = 10.0
-"""The last singular value that counts is so many times the first that does not, at least."""
+"""The last singular value that counts is at least this many times the first that does not."""
 
 EXPLAINED = 30.0
-"""A singular value may count as zero that is at most so many times the mismatch; where rounding
-makes both, it was up to twice.
+"""A singular value may count as zero if it is at most this many times the mismatch. If rounding
+causes both, the observed factor is at most two.
 """
 
 WEAK = 1e-3
-"""With all singular values that count above this the strictest threshold is right without doubt."""
+"""The strictest threshold is certainly right if all singular values that count are above this."""
 
 SMALL_LOOP = 1e-2
-"""As well with all above this where each loop is measured in its own size: a small loop in a
-large robot is weak in the size of that, and rounding makes less than this of either.
+"""It is also right if all are above this with each loop measured in its own size. A small loop in a
+large robot is weak in sizes of the robot, and rounding gives less than this in both sizes.
 """
 
 LARGEST_WAY = 1.0
-"""Loops that close only after their joints have moved by more than this are closed elsewhere [rad,
-or sizes of the robot].
+"""If joints must move by more than this to close the loops, it is another pose [rad, or sizes of
+the robot].
 """
 
 LARGEST_STEP = 0.3
-"""No Gauss–Newton step moves a joint by more than this [rad, or sizes]."""
+"""The largest motion of a joint in a Gauss–Newton step [rad, or sizes]."""
 
 MOST_STEPS = 60
 
 STEPS = (0.3, 0.1, 0.03)
-"""How far apart the poses are at which the equations are looked at [rad, or sizes of the robot];
-the smaller ones where a larger one does not close.
+"""Distances between the poses at which the equations are examined [rad, or sizes of the robot]; a
+smaller one is used if the loops do not close at a larger one.
 """
 
 POSES = 8
@@ -94,28 +96,26 @@ LONG_WAY = 3
 """Claimed motions are followed for so many of the largest steps to either side."""
 
 MOST_SECONDS, LEAST_SECONDS = 4.0, 1.0
-"""After so long no other starts are tried for a robot whose loops do not close; but they are for so
-long, however long the first one took.
+"""After the first time, no more starts are tried for a robot whose loops do not close [s]. The
+second time is reserved for other starts, however long the first start took [s].
 """
 
 
 class Structure(NamedTuple):
-    """What closure equations are in general position."""
+    """The structure of closure equations in general position."""
 
     home: Array
-    """The configuration near the given one in which the loops are closed as well as they can be,
-    (nq,).
-    """
+    """The configuration near the given one that closes the loops best, (nq,)."""
     poses: tuple[Array, ...]
     """Configurations that close the loops, home first."""
     motions: tuple[Array, ...]
-    """At each of them a basis of the velocities that keep the loops closed, (nv, f), in m and
-    rad.
+    """A basis of the velocities that keep the loops closed at each of these poses, (nv, f), in m
+    and rad.
     """
     rank: int
-    """Independent closure equations."""
+    """Number of independent closure equations."""
     values: Array
-    """Singular values over the largest, of each the largest over the poses."""
+    """Singular values divided by the largest one; for each, the maximum over the poses."""
     first: float
     """The largest singular value; small where all loops are much smaller than the robot."""
     length: float
@@ -123,12 +123,12 @@ class Structure(NamedTuple):
     angle: float
     """And in direction [rad]."""
     size: float
-    """Of the robot [m], in which lengths are measured."""
+    """Size of the robot [m], in which lengths are measured."""
     worst: int
-    """Which of the given closures stays open most; −1 without one."""
+    """Index of the closure that stays open most; −1 without closures."""
     exact: Structure | None = None
-    """The stricter reading in which the same loops close exactly, if there is one, and following
-    the motions that it does not have was not enough to refute this one.
+    """The structure by a stricter threshold that closes the same loops exactly, if there is one and
+    following the additional motions did not reject this structure; None otherwise.
     """
 
     @property
@@ -138,16 +138,16 @@ class Structure(NamedTuple):
 
     @property
     def is_explained(self) -> bool:
-        """Tell whether rounding can have made what does not count."""
+        """Tell whether rounding can explain the singular values that count as zero."""
         limit = max(EXACT, EXPLAINED * self.mismatch)
         return self.dropped * min(self.first, 1.0) <= limit
 
     @property
     def is_stuck(self) -> bool:
-        """Tell whether home is a singular pose that the loops were not seen to leave.
+        """Tell whether home is a singular pose and no way out of it was found.
 
-        There the loops hold a motion by their second order alone: they close exactly, and what does
-        not count is more than rounding, and yet so little that it must not count.
+        There the loops block a motion in second order only. They close exactly. The singular values
+        that count as zero are larger than rounding explains, but too small to count.
         """
         is_small = self.mismatch <= EXACT and self.dropped <= ASSEMBLED_RANK_TOLERANCE
         return is_small and not self.is_explained
@@ -169,7 +169,7 @@ class Structure(NamedTuple):
 
     @property
     def tolerance(self) -> float:
-        """Share of the largest up to which a singular value of some motions counts as zero."""
+        """Singular values of motions up to this share of the largest one count as zero."""
         return max(ASSEMBLED_RANK_TOLERANCE, 3.0 * self.dropped)
 
 
@@ -187,12 +187,12 @@ def structure(
     model : pinocchio.Model
         The tree.
     flat : FlatTree
-        It and its closures, flattened without motors.
+        The tree and its closures, flattened without motors.
     q : (nq,) ndarray or None
-        A configuration that closes the loops, or nearly. Without one, ``neutral`` within the joint
-        limits and then others are tried.
+        A configuration that closes the loops, or nearly. Without it, ``neutral`` within the joint
+        limits is tried, then other configurations.
     motors : (nv, m) ndarray
-        What each motor drives, a column of joint velocities each.
+        The joint velocities that each motor drives, one column per motor.
     names : sequence of str
         Names of the closures, for the error.
 
@@ -203,7 +203,8 @@ def structure(
     Raises
     ------
     LoopsDoNotClose
-        If no configuration closes the loops, not even nearly; after some seconds at most.
+        If no configuration closes the loops, not even nearly. The search takes a few seconds at
+        most.
     """
     start = q
     if start is None:
@@ -215,7 +216,7 @@ def structure(
     if found is not None and (q is not None or _is_good(model, found, motors)):
         return found
     took = time.process_time() - began
-    # A search asks thousands of questions; what compiling takes is not the search's time.
+    # A search needs thousands of answers. They are compiled before the time of the search starts.
     compile_answers(flat.integers, flat.numbers)
     equations.deadline = time.process_time() + max(MOST_SECONDS - took, LEAST_SECONDS)
     tried = 1
@@ -235,7 +236,7 @@ def structure(
         if time.process_time() > equations.deadline:
             break
     if others:
-        # That in which motors command most; of equals that which is least beyond the limits.
+        # Prefer the start in which the motors command most, then the one least beyond the limits.
         return max(
             others,
             key=lambda one: (
@@ -249,7 +250,7 @@ def structure(
 
 
 def _is_good(model: pin.Model, found: Structure, motors: Array) -> bool:
-    """Tell whether a home that nobody gave can be one.
+    """Tell whether a configuration that was found can be home.
 
     Within the joint limits, and with each motor at work that can be: in the fold of a leg, for
     example, none is. And not at a singular pose that the loops do not leave.
@@ -263,7 +264,7 @@ def _is_good(model: pin.Model, found: Structure, motors: Array) -> bool:
 def _other_starts(
     model: pin.Model, flat: FlatTree, start: Array, deadline: float
 ) -> Iterator[Array]:
-    """Yield other configurations to start from: first within the joint limits, then anywhere."""
+    """Yield other starts: first within the joint limits, then anywhere."""
     for near, _ in nearly_closed(model, flat, start, deadline):
         yield near
     rng = np.random.default_rng(1)
@@ -327,7 +328,7 @@ class _Equations:
     def explored(self, q: Array, threshold: float) -> Structure | None:
         """Return the structure if singular values below a threshold count as zero.
 
-        None if home cannot be closed then.
+        Return None if the loops then cannot be closed at home.
         """
         at_home = self.settled(q, threshold)
         if at_home is None or np.abs(at_home[1]).max(initial=0.0) > LARGEST_MISMATCH:
@@ -347,7 +348,7 @@ class _Equations:
             away = self._away(here, motions @ rng.normal(size=motions.shape[1]), threshold)
             if away is None and here is home:
                 break
-            # From home once more where the walk has come to an end.
+            # If the walk cannot continue, start again from home.
             here = home if away is None else away[0]
             if away is not None:
                 worst = np.maximum(worst, np.abs(away[1]))
@@ -371,7 +372,7 @@ class _Equations:
         )
 
     def _away(self, q: Array, direction: Array, threshold: float) -> tuple[Array, Array] | None:
-        """Return a closed pose in a direction and its residual; None where there is none."""
+        """Return a closed pose in a direction and its residual; None if there is none."""
         for step in STEPS:
             way = step / np.abs(direction).max() * self.units * direction
             found = self.settled(pin.integrate(self.model, q, way), threshold)
@@ -407,16 +408,16 @@ class _Equations:
         return False
 
     def is_well(self, found: Structure) -> bool:
-        """Tell whether no equation that counts is so weak that rounding may have made it."""
+        """Tell whether all equations that count are stronger than those that rounding can cause."""
         if found.kept > WEAK:
             return True
         shares = np.max([self._shares_by_loop(q) for q in found.poses], axis=0)
         return bool(shares[found.rank - 1] > SMALL_LOOP)
 
     def _shares_by_loop(self, q: Array) -> Array:
-        """Return singular values over the largest, with each loop measured in its own size.
+        """Return singular values over the largest one, with each loop measured in its own size.
 
-        That is the longest lever about a joint of what its point is closed at.
+        The size of a loop is the longest lever arm of its closure point about a joint.
         """
         matrix, row = jacobian(self.flat, q), 0
         for count in self.flat.closure_rows:
@@ -430,7 +431,7 @@ class _Equations:
         return np.asarray(values / max(values.max(initial=0.0), 1e-300))
 
     def structure(self, q: Array) -> Structure | None:
-        """Return the structure by the rule of this module; None where no threshold is explained."""
+        """Return the structure by the rule of this module; None if no threshold is accepted."""
         accepted: list[Structure] = []
         stuck: Structure | None = None
         for threshold in THRESHOLDS:
@@ -443,8 +444,8 @@ class _Equations:
                 stuck = found if found.is_stuck and stuck is None else stuck
                 continue
             if found.dropped > EXACT:
-                # Once more from the given configuration, with the threshold amid the gap: too
-                # strict a one may have led far astray.
+                # Start again from the given configuration, with a threshold in the middle of the
+                # gap, because a threshold that is too strict may have led far away.
                 again = self.explored(q, max(1e-9, float(np.sqrt(found.kept * found.dropped))))
                 if again is None or again.rank != found.rank:
                     continue
@@ -473,7 +474,7 @@ class _Equations:
 
 
 def commanded(found: Structure, motors: Array) -> int:
-    """Return how many motors command motions of their own, in a pose away from home."""
+    """Return the number of motors that command independent motions, in a pose away from home."""
     return rank_of_motions(motors.T @ found.motions[-1], found.tolerance)
 
 
@@ -483,7 +484,7 @@ def rank_of_motions(rows: Array, tolerance: float) -> int:
 
 
 def robot_size(model: pin.Model, q: Array) -> float:
-    """Return how far apart the joints of a robot are [m]; 1 if they are all at one place."""
+    """Return the largest distance between the joints of a robot [m]; 1 if all are at one place."""
     data = model.createData()
     pin.forwardKinematics(model, data, q)
     places = np.array([data.oMi[index].translation for index in range(1, model.njoints)])
@@ -495,5 +496,5 @@ def _count(values: Array, threshold: float) -> int:
 
 
 def closure_names(constraints: Sequence[Any]) -> list[str]:
-    """Return what closures are called in messages."""
+    """Return the names of closures in messages."""
     return [str(getattr(one, "name", "")) or f"loop {k}" for k, one in enumerate(constraints, 1)]

@@ -1,4 +1,4 @@
-"""Links against links: shapes, which pairs are checked, and how near they come along a motion."""
+"""Collisions between links: shapes, checked pairs, and distances along a motion."""
 
 from __future__ import annotations
 

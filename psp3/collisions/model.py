@@ -1,11 +1,11 @@
-"""The shapes of a robot, and how far they are from each other.
+"""The shapes of a robot, and the distances between them.
 
-Pinocchio places them, coal measures.
+Pinocchio places the shapes, and coal measures the distances.
 
-Distances of convex solids are found by the algorithm of Gilbert, Johnson and Keerthi (A fast
-procedure for computing the distance between complex objects in three-dimensional space, 1988),
-depths of those that overlap by the expanding polytope algorithm (van den Bergen, Proximity queries
-and penetration depth computation on 3D game objects, 2001).
+Distances between convex solids are computed with the algorithm of Gilbert, Johnson and Keerthi (A
+fast procedure for computing the distance between complex objects in three-dimensional space, 1988),
+and depths of overlap with the expanding polytope algorithm (van den Bergen, Proximity queries and
+penetration depth computation on 3D game objects, 2001).
 """
 
 from __future__ import annotations
@@ -30,21 +30,21 @@ from psp3.errors import InvalidRobotFile, InvalidValue, OverlappingShapes
 from psp3.robots.robot import Robot
 
 DISTANCE_TOLERANCE = 1e-8
-"""Tolerance of distances [m]; coal's default is 1e-6, and between parallel cylinders the error is
-of that size.
+"""Tolerance of distances [m]. With coal's default, 1e-6, the error between parallel cylinders is of
+that size.
 """
 
 LARGEST_DEVIATION = 1e-9
-"""How far a frame may be from where the file of the shapes has it [m, and entries of a rotation
-matrix].
+"""Largest deviation of a frame from its placement in the file of the shapes [m, and entries of a
+rotation matrix].
 """
 
 
 class Nearest(NamedTuple):
     """The two links that are nearest to each other in a pose.
 
-    ``links``, two names; ``distance``, negative where they overlap [m]; ``points`` (2, 3), where
-    they are nearest, in base axes [m].
+    ``links`` are two names, ``distance`` is negative if they overlap [m], and ``points`` (2, 3) are
+    the nearest points in base axes [m].
     """
 
     links: tuple[str, str]
@@ -55,17 +55,18 @@ class Nearest(NamedTuple):
 class CollisionModel(Described):
     """The shapes of a robot, and the pairs of links that must not touch.
 
-    One object serves one thread at a time, because it computes in one ``data``.
+    Only one thread at a time may use an object, because it has a single ``data``.
 
     Parameters
     ----------
     robot : Robot
         The robot.
     shapes : pinocchio.GeometryModel
-        Convex solids on its links; pairs that are listed in it are not used. A robot without
-        collision shapes may be given its ``visual_model``.
+        Convex solids on its links; its own list of pairs is not used. For a robot without collision
+        shapes, pass its ``visual_model``.
     excluded : iterable of (str, str, str), optional
-        Pairs of links to leave out, with the reason, beside those of :mod:`psp3.collisions.pairs`.
+        Pairs of links to leave out, with the reason, in addition to those of
+        :mod:`psp3.collisions.pairs`.
 
     Raises
     ------
@@ -74,7 +75,8 @@ class CollisionModel(Described):
     UnknownName
         If an excluded link does not exist.
     OverlappingShapes
-        If two links overlap already at the reference pose: such a pair says nothing about a motion.
+        If two links already overlap at the reference pose, because such a pair cannot be checked
+        along a motion.
     """
 
     def __init__(
@@ -120,8 +122,9 @@ class CollisionModel(Described):
         for request in self._shape_data.distanceRequests:
             request.gjk_tolerance = request.epa_tolerance = DISTANCE_TOLERANCE
             with warnings.catch_warnings():
-                # Starting from the result before would make a distance depend, in its last digits,
-                # on what was measured earlier. The name is old but still what Pinocchio sets.
+                # If the search started from the last result, the last digits of a distance would
+                # depend on earlier calls. The name of the setting is old, but Pinocchio still uses
+                # it.
                 warnings.simplefilter("ignore", DeprecationWarning)
                 request.enable_cached_gjk_guess = False
         self._refuse_overlaps()
@@ -144,7 +147,7 @@ class CollisionModel(Described):
     def joint_of(self, link: str) -> int:
         """Return the Pinocchio index of the joint that carries a link with shapes.
 
-        0 is the base.
+        The base is 0.
         """
         return int(self.shapes.geometryObjects[self.links.index(link)].parentJoint)
 
@@ -159,7 +162,7 @@ class CollisionModel(Described):
         Returns
         -------
         (..., P) ndarray
-            Distance of each of :attr:`pairs`, negative where they overlap [m].
+            Distance of each of :attr:`pairs`, negative if they overlap [m].
 
         Raises
         ------
@@ -213,20 +216,20 @@ class CollisionModel(Described):
         distance : (N,) ndarray
             Least distance over all pairs [m].
         pair : (N,) ndarray of int
-            Which of :attr:`pairs` has it.
+            Index of this pair in :attr:`pairs`.
         """
         found = [self._least(q, [0] * len(self._pair), 1) for q in configurations]
         distance = np.array([least[0] for least, _ in found])
         return distance, np.array([self._pair[which[0]] for _, which in found], dtype=np.int64)
 
     def _least(self, q: Array, group: list[int], groups: int) -> tuple[Array, list[int]]:
-        """Return the least distance of every group of pairs of shapes, and the pair that has it."""
+        """Return the smallest distance in every group of pairs of shapes, and its pair."""
         pin.updateGeometryPlacements(self.robot.model, self._data, self.shapes, self._shape_data, q)
         boxes = self._boxes.distances(self._data, self._ends)
         bounds, least, which = boxes.tolist(), [np.inf] * groups, [-1] * groups
         for k in np.argsort(boxes, kind="stable").tolist():
             bound, of_group = bounds[k], group[k]
-            # Boxes that overlap do not say how deep their shapes do.
+            # Overlapping boxes do not show the depth of the overlap of their shapes.
             if 0.0 < bound >= least[of_group]:
                 if groups == 1:
                     break
@@ -269,7 +272,7 @@ class _Boxes:
 
 
 def _link(model: pin.Model, shape: Any) -> str:
-    """Name of the link that carries a shape; of its joint, if the shape was made without a link."""
+    """Return the name of the link that carries a shape, or of its joint if it has no link."""
     return str(
         model.frames[shape.parentFrame].name
         if shape.parentFrame < model.nframes
@@ -302,7 +305,7 @@ def collision_model(
         If no file is given for a robot that was not loaded from one.
     InvalidRobotFile
         If a file is missing or malformed, has no ``<collision>`` element, or describes another
-        robot, or one of other dimensions.
+        robot, or a robot with other dimensions.
     UnknownName, OverlappingShapes
         See :class:`CollisionModel`.
     """
@@ -345,11 +348,11 @@ def _files(robot: Robot) -> tuple[Path, Path | None]:
 
 
 def _compare_dimensions(model: pin.Model, of_file: pin.Model, path: Path) -> None:
-    """Refuse a file whose joints and frames are elsewhere than the robot's.
+    """Refuse a file if the robot's joints and frames have other placements.
 
-    Its shapes would be, too.
+    The shapes in the file would be at wrong places, too.
     """
-    # Joints that were replaced on loading, and what they carry, are nowhere in the file.
+    # Joints that were replaced on loading, and the frames on them, are not in the file.
     same = {
         index
         for index, name in enumerate(of_file.names)
@@ -393,7 +396,7 @@ def _compare_dimensions(model: pin.Model, of_file: pin.Model, path: Path) -> Non
 def _attached(shapes: Any, of_file: pin.Model, model: pin.Model, path: Path) -> Any:
     """Return the shapes of a file on the links of a robot.
 
-    The robot's joints may be others than the file's.
+    The joints of the robot may differ from those of the file.
     """
     attached = pin.GeometryModel()
     for shape in shapes.geometryObjects:

@@ -1,9 +1,9 @@
 """Collisions along a motion.
 
-How near the links of a robot come to each other, when they first touch, and which they are.
+The module finds the smallest distance between links, the first contact, and the links involved.
 
 :mod:`psp3.collisions.model` holds the shapes and measures one pose; :mod:`psp3.collisions.pairs`
-has the rule by which pairs are left out.
+selects the pairs that are checked.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ from psp3.errors import CollisionFound, InvalidArray
 from psp3.robots.robot import Robot
 
 BISECTIONS = 40
-"""Halvings of the time between two samples in which links come too near: what is left is a
-trillionth.
+"""Number of bisections of the time between two samples in which links come too close; the remaining
+interval is a trillionth.
 """
 
 
 class Contact(NamedTuple):
-    """Two links at a time: ``time`` [s], ``positions`` of the actuated joints (n,).
+    """Two links at one time: ``time`` [s], ``positions`` of the actuated joints (n,).
 
-    How near the links are is ``nearest``.
+    ``nearest`` holds their distance.
     """
 
     time: float
@@ -52,18 +52,18 @@ class Report:
     time : (N,) ndarray
         Times of the samples [s].
     distance : (N,) ndarray
-        Distance of the two nearest links, negative where they overlap [m].
+        Distance of the two nearest links, negative if they overlap [m].
     pair : (N,) ndarray of int
-        Which of ``pairs`` they are.
+        Index of these links in ``pairs``.
     pairs : tuple of (str, str)
         The pairs of links that were checked.
     clearance : float
-        The distance that was asked for [m].
+        The required distance [m].
     nearest : Contact
         The sample at which links are nearest.
     first : Contact or None
-        Where two links first come as near as the clearance, between the samples too; None if they
-        never do.
+        The first time at which two links come as close as the clearance, also between samples; None
+        if they never do.
     """
 
     time: Array
@@ -84,9 +84,9 @@ def check(
 ) -> Report:
     """Return how near the links of a robot come to each other along a motion.
 
-    Each pose is closed from the one before, so the assembly mode is kept. Between the two samples
-    where links come too near, the actuated joints are taken to move uniformly. A touch that begins
-    and ends between two samples is not seen.
+    Each pose is closed from the preceding one, so the assembly mode is kept. Between the two
+    samples in which links come too close, the actuated joints are assumed to move at constant
+    speed. A contact that begins and ends between two samples is not detected.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def check(
     time : (N,) array_like, optional
         Times of the samples, increasing [s]; by default their numbers.
     clearance : float
-        Least distance that links must keep [m].
+        Smallest allowed distance between links [m].
     model : CollisionModel, optional
         Shapes and pairs; by default those of the file that the robot was loaded from, see
         :func:`psp3.collisions.model.collision_model`.
@@ -112,7 +112,7 @@ def check(
     InvalidArray, InvalidValue
         If an argument is malformed.
     ClosureFailed, JointLimitExceeded
-        If a pose cannot be taken, see ``robot.configurations_along``.
+        If a pose is unreachable, see ``robot.configurations_along``.
     InvalidRobotFile, OverlappingShapes
         If the robot has no usable shapes, see :func:`psp3.collisions.model.collision_model`.
     """
@@ -152,9 +152,9 @@ def check_clearance(
     clearance: float = 0.0,
     model: CollisionModel | None = None,
 ) -> None:
-    """Raise :class:`psp3.errors.CollisionFound` where a motion brings links too near.
+    """Raise :class:`psp3.errors.CollisionFound` if links come too close along a motion.
 
-    At the first time at which two links are as near as the clearance.
+    The error is for the first time at which two links are as close as the clearance.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def check_clearance(
     Raises
     ------
     CollisionFound
-        It carries the time, the two links and their distance.
+        The error holds the time, the two links and their distance.
     InvalidArray, InvalidValue, ClosureFailed, JointLimitExceeded
         See :func:`check`.
     InvalidRobotFile, OverlappingShapes
@@ -191,7 +191,7 @@ def _first_contact(
     distance: Array,
     clearance: float,
 ) -> Contact | None:
-    """Return where two links first come as near as the clearance."""
+    """Return the first contact at which two links are as close as the clearance."""
     near = np.flatnonzero(distance <= clearance)
     if not near.size:
         return None

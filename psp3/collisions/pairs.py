@@ -1,12 +1,12 @@
-"""Which pairs of links can collide.
+"""Select the pairs of links that can collide.
 
-All but those that touch where they are joined, and those that the SRDF excludes.
+These are all pairs except those that touch where they are joined, and those that the SRDF excludes.
 
-The rule, by which a pair of links is left out:
+A pair of links is left out if:
 
-* the links belong to one rigid body: fixed to each other, or joined by a 6D loop;
-* their bodies are joined by a joint, or at a point by a loop;
-* the SRDF says so: ``<disable_collisions link1="a" link2="b" reason="..."/>``.
+* the links belong to one rigid body: fixed to each other, or joined by a 6D loop; * a joint
+connects their bodies, or a loop connects them at a point; * the SRDF excludes it:
+``<disable_collisions link1="a" link2="b" reason="..."/>``.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def pairs_to_check(
     joints : sequence of int
         The joint that carries it, by its Pinocchio index; 0 is the base.
     excluded : iterable of Exclusion, optional
-        Pairs of links to leave out beside those of the rule.
+        Pairs of links to leave out in addition to those of the rule.
 
     Returns
     -------
@@ -75,7 +75,7 @@ def pairs_to_check(
 
 
 class _Joined:
-    """What joins the bodies of a robot."""
+    """The connections between the bodies of a robot."""
 
     def __init__(self, robot: Robot) -> None:
         model = robot.model
@@ -99,6 +99,6 @@ class _Joined:
         return frozenset(self._body[joint] for joint in joints)
 
     def reason(self, one: int, other: int) -> str | None:
-        """Return why the bodies that two joints carry always touch, or None if they need not."""
+        """Return why the bodies on two joints always touch, or None if they do not."""
         bodies = self._bodies(one, other)
         return "one rigid body" if len(bodies) == 1 else self._reasons.get(bodies)

@@ -1,13 +1,13 @@
-"""Loops that a URDF declares by the names of its frames.
+"""Loops that a URDF declares through the names of its frames.
 
-A URDF is a tree. onshape-to-robot makes of a mate ``closing_<name>`` that would close a loop two
-frames, ``closing_<name>_1`` and ``closing_<name>_2``, and the examples of PlaCo join them in the
-same way. Their origins coincide in the assembled robot.
+A URDF is a tree. Where a mate ``closing_<name>`` would close a loop, onshape-to-robot writes two
+frames instead, ``closing_<name>_1`` and ``closing_<name>_2``. Their origins coincide in the
+assembled robot. The examples of PlaCo join the two frames in the same way.
 
-Of what kind the mate is, a URDF does not say, but for one: where the mate is a hinge,
-onshape-to-robot adds two more frames on its axis, ``closing_<name>_1_z`` and ``closing_<name>_2_z``
-(its MuJoCo files join both pairs at a point). So a pair with these is a hinge, and every other one
-a point. Joints of other kinds, a weld or a slider, can be said with ``closures=`` or a loop file.
+The URDF does not state the kind of the mate, with one exception: for a hinge, onshape-to-robot adds
+two more frames on its axis, ``closing_<name>_1_z`` and ``closing_<name>_2_z`` (its MuJoCo files
+join both pairs at a point). So a pair with these frames is read as a hinge, and every other pair as
+a point. Other kinds, such as a weld or a slider, are declared with ``closures=`` or in a loop file.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ CLOSING = re.compile(r"(closing_.+_)([12])")
 def closing_frames(
     path: Path, model: pin.Model, given: Sequence[tuple[str, str, str]] = ()
 ) -> list[tuple[str, str, str]]:
-    """Return the loops that are told by names: two frames, and ``"3d"`` or ``"hinge"``.
+    """Return the loops that frame names declare: two frames, and ``"3d"`` or ``"hinge"``.
 
     Parameters
     ----------
@@ -36,12 +36,12 @@ def closing_frames(
     model : pinocchio.Model
         Its tree.
     given : sequence of (str, str, str)
-        Loops that are given in another way, whose frames are left out here.
+        Loops that are declared in another way; their frames are skipped.
 
     Raises
     ------
     InvalidRobotFile
-        If only one of the two frames is there.
+        If only one of the two frames exists.
     """
     names = dict.fromkeys(frame.name for frame in model.frames)
     joined = {name for first, second, _ in given for name in (first, second)}

@@ -1,28 +1,28 @@
-"""Joints that a URDF cannot write.
+"""Replace joints that stand for types that a URDF does not have.
 
-Revolutes of a tree that stand for ball and universal joints, or for no joint at all.
+A revolute joint may stand for a ball joint, for a universal joint, or for no joint at all.
 
-The loop files of toolbox-parallel-robots (keys ``joint_name`` and ``joint_type``) name them. What
-becomes of a joint ``j``:
+The loop files of toolbox-parallel-robots (keys ``joint_name`` and ``joint_type``) name them. A
+joint ``j`` is replaced by:
 
 ``SPHERICAL``
-    A ball joint ``j`` in its place.
+    A ball joint ``j``.
 ``UJOINT_XY``, ``UJOINT_YZ``, ...
     A universal joint: a revolute ``j_X`` about x of the frame of ``j``, then a revolute ``j_Y``
     about the turned y, with nothing between them. Frame ``j`` stays and moves with the second.
 ``FIXED``
-    No joint: it is locked where its coordinate is zero.
+    No joint: the joint is locked at coordinate zero.
 
-Bodies, frames, shapes, limits of the other joints and their order stay as they are. A replaced
-joint has no position limits, because those of one angle say nothing about several; its other
-limits, damping and friction hold for each of its degrees of freedom.
+Bodies, frames, shapes, and the limits and order of the other joints do not change. A replaced joint
+has no position limits, because those of one angle say nothing about several; its other limits,
+damping and friction hold for each of its degrees of freedom.
 
 The loader of example-parallel-robots reads the same files. It differs from this one in that it
-drops the frame ``j`` and every limit; locks other joints than those named ``FIXED`` if a universal
-joint comes before them (their numbers are those of the URDF's tree); leaves the shapes of
-``UJOINT_XZ`` and ``UJOINT_YX`` where the URDF's tree had that number; takes an unknown type for the
-one read before; and turns every three revolutes with massless links between them into a ball joint,
-whether the file says so or not.
+drops the frame ``j`` and every limit; locks the wrong joints for ``FIXED`` if a universal joint
+comes before them (it uses the joint numbers of the URDF's tree); attaches the shapes of
+``UJOINT_XZ`` and ``UJOINT_YX`` to the joint that had their number in the URDF's tree; takes an
+unknown type for the preceding type; and turns any three revolutes with massless links between them
+into a ball joint, even if the file does not name them.
 """
 
 from __future__ import annotations
@@ -38,10 +38,10 @@ import pinocchio as pin
 from psp3.errors import InvalidRobotFile
 
 UNIVERSAL = tuple(f"UJOINT_{first}{second}" for first, second in itertools.permutations("XYZ", 2))
-"""Universal joints, by the axes of their two revolutes."""
+"""Universal joints, named after the axes of their two revolutes."""
 
 REPLACEMENTS = ("SPHERICAL", *UNIVERSAL, "FIXED")
-"""What may stand in the key ``joint_type`` of a loop file."""
+"""The allowed values of the key ``joint_type`` in a loop file."""
 
 ABOUT = {"X": pin.JointModelRX, "Y": pin.JointModelRY, "Z": pin.JointModelRZ}
 """Revolutes about the axes of a joint's frame."""
@@ -58,21 +58,19 @@ PER_DEGREE_OF_FREEDOM = (
     "rotorInertia",
     "rotorGearRatio",
 )
-"""What a Pinocchio model holds for each degree of freedom."""
+"""Arrays of a Pinocchio model with an entry for each degree of freedom."""
 
 POSITION_LIMITS = ("lowerPositionLimit", "upperPositionLimit", "positionLimitMargin")
-"""What a Pinocchio model holds for each coordinate."""
+"""Arrays of a Pinocchio model with an entry for each coordinate."""
 
 BODY_MARK = "\x00"
-"""Before the name of a body that a joint has, too: no file has it."""
+"""A prefix for bodies that share their name with a joint. It cannot occur in a file."""
 
 NewJoints = Mapping[str, Sequence[tuple[str, Any]]]
-"""For joints of the old tree, names and models of those that replace them, from the base
-outward.
-"""
+"""Maps joints of the old tree to names and models of their replacements, from the base outward."""
 
 LARGEST_QUATERNION_ENTRY = 1.01
-"""Pinocchio's parsers give coordinates on the unit sphere this for a limit."""
+"""The limit that Pinocchio's parsers set for the entries of a unit quaternion."""
 
 
 def replace_joints(
@@ -87,30 +85,30 @@ def replace_joints(
     Parameters
     ----------
     model : pinocchio.Model
-        The tree as read; it stays as it is.
+        The tree as read; it is not changed.
     visual_model : pinocchio.GeometryModel
-        Its shapes; they stay as they are.
+        Its shapes; they are not changed.
     replaced : sequence of (str, str)
         Names of joints with what replaces them, one of :data:`REPLACEMENTS`.
     actuated : sequence of str
-        Names of the actuated joints. Among them, those of unlimited angle (``continuous`` in a
-        URDF) become plain revolutes without limits: Pinocchio counts the former in two coordinates,
-        cosine and sine, and what a motor drives is an angle.
+        Names of the actuated joints. An actuated joint of unlimited angle (``continuous`` in a
+        URDF) becomes an ordinary revolute without limits: Pinocchio describes a continuous joint by
+        cosine and sine, but a motor drives an angle.
     path : path
         The loop file, for error messages.
 
     Returns
     -------
     model : pinocchio.Model
-        The new tree; the given one where nothing is to be done.
+        The new tree; the given one if nothing is replaced.
     visual_model : pinocchio.GeometryModel
         The shapes on the new tree.
 
     Raises
     ------
     InvalidRobotFile
-        If a joint does not exist, its type is unknown, it is not a revolute (what is ``FIXED`` may
-        be any joint), or a name that a universal joint needs is taken.
+        If a joint does not exist, its type is unknown, it is not a revolute (any joint may become
+        ``FIXED``), or the name of a new joint is taken.
     """
     kinds = dict(replaced)
     for name, kind in replaced:
@@ -133,7 +131,7 @@ def replace_joints(
 def _locked(model: pin.Model, visual_model: Any, joints: list[int]) -> tuple[pin.Model, Any]:
     """Return a tree without some of its joints.
 
-    Pinocchio looks its joints up by names among all frames, and fails where a body has the same.
+    Pinocchio finds joints by name among all frames, and fails if a body has the same name.
     """
     joint_frame = pin.FrameType.JOINT
     for frame in model.frames:
@@ -168,18 +166,18 @@ def _check(model: pin.Model, name: str, kind: str, path: str | Path) -> None:
 
 
 def _joints_of(name: str, kind: str) -> list[tuple[str, Any]]:
-    """Names and models of the joints that replace one, from the base outward."""
+    """Return names and models of the joints that replace one, from the base outward."""
     if kind == "SPHERICAL":
         return [(name, pin.JointModelSpherical())]
     return [(f"{name}_{axis}", ABOUT[axis]()) for axis in kind[-2:]]
 
 
 def revolute_like(joint: Any) -> Any:
-    """Return the revolute with one coordinate about the axis of one with two."""
+    """Return the one-coordinate revolute with the axis of a two-coordinate one."""
     kind = joint.shortname()
     if kind[-1] in ABOUT:
         return ABOUT[kind[-1]]()
-    # Pinocchio does not tell the axis of this kind of joint, but its motion.
+    # Pinocchio does not give the axis of this kind of joint, but the joint's motion shows it.
     data = joint.createData()
     joint.calc(data, np.array([1.0, 0.0]))
     return pin.JointModelRevoluteUnaligned(np.asarray(data.S)[3:].ravel())
@@ -190,13 +188,13 @@ def rebuilt(
 ) -> tuple[pin.Model, Any]:
     """Return the tree and its shapes with some of the joints replaced.
 
-    What a joint has for each degree of freedom its replacements all have, or, of a joint of
-    several, what it has for the first.
+    All degrees of freedom of the replacements get the limits, damping and friction of the first
+    degree of freedom of the old joint.
     """
     new = pin.Model()
     new.name, new.gravity = model.name, model.gravity
     new.inertias[0] = model.inertias[0]
-    # Number of each joint of the old tree in the new one: of the last one, where it became several.
+    # Number in the new tree of each old joint; the last of its replacements if there are several.
     number = [0]
     for old in range(1, model.njoints):
         name = model.names[old]
@@ -242,7 +240,7 @@ def _copy_limits(model: pin.Model, old: int, new: pin.Model, number: int, replac
 def _copy_frames(
     model: pin.Model, new: pin.Model, number: list[int], new_joints: NewJoints
 ) -> list[int]:
-    """Put the frames of the old tree in the new one, and return the number of each there."""
+    """Copy the frames of the old tree to the new one, and return their new numbers."""
     place = [0]
     for frame in list(model.frames)[1:]:
         parent, joint, kind = place[frame.parentFrame], number[frame.parentJoint], frame.type

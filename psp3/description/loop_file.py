@@ -1,8 +1,9 @@
-"""Loop files.
+"""Read loop files.
 
-Which frames of a tree coincide in the assembled robot, and which joints are actuated.
+A loop file states which frames of a tree coincide in the assembled robot, and which joints are
+actuated.
 
-The keys are those of toolbox-parallel-robots, so its files can be read here and ours there::
+The keys are those of toolbox-parallel-robots, so each package can read the files of the other::
 
     closed_loop: [[frameA, frameB], ...]   # pairs of frames that coincide
     type: ['6d', '3d', ...]                # '6d': position and orientation; '3d': position only;
@@ -32,16 +33,18 @@ from psp3.multibody.named_frames import frames_named
 logger = logger_named(__name__)
 
 TEXT, LIST, TABLE = (f"tag:yaml.org,2002:{kind}" for kind in ("str", "seq", "map"))
-"""What YAML calls a text, a list and a table of keys."""
+"""YAML's tags for a text, a list and a table of keys."""
 
 LARGEST = 256 * 2**10
-"""Bytes of a loop file."""
+"""The largest loop file [bytes]."""
 
 MOST = 20_000
-"""Lists, keys and names in it: thousands of loops, which YAML's parser reads in two seconds."""
+"""The largest number of lists, keys and names in a loop file: thousands of loops, which YAML's
+parser reads in two seconds.
+"""
 
 DEEPEST = 20
-"""Lists and keys in each other; a loop file needs three."""
+"""The deepest nesting of lists and keys; a loop file needs three levels."""
 
 KEYS = ("closed_loop", "type", "name_mot", "joint_name", "joint_type")
 """Keys of a loop file."""
@@ -49,8 +52,8 @@ KEYS = ("closed_loop", "type", "name_mot", "joint_name", "joint_type")
 KINDS = ("6d", "3d", "hinge")
 
 SAME_PLACE = 1e-12
-"""Frames of one name are the same if they are on one body and their placements differ by no more
-than this [m, 1].
+"""Two frames with the same name are the same frame if they are on one body and their placements
+differ by at most this [m, 1].
 """
 
 
@@ -64,11 +67,11 @@ class Loops(NamedTuple):
     actuated: tuple[str, ...]
     """Names of the actuated joints."""
     replaced: tuple[tuple[str, str], ...] = ()
-    """Joints that stand for another kind of joint, with the kind."""
+    """Joints that stand for another kind of joint, with that kind."""
 
 
 def _shown(node: Any) -> str:
-    """Return what an error message says of a part of the file: of lists the first entries."""
+    """Return how an error message shows a part of the file; lists are shortened."""
     if not isinstance(node.value, list):
         return repr(node.value[:80]) if node.tag == TEXT else str(node.value[:80])
     if node.id == "mapping" or node.tag != LIST:
@@ -96,7 +99,8 @@ def _names(path: Path, node: Any, key: str) -> tuple[str, ...]:
 
 def _pair(path: Path, node: Any) -> tuple[str, str]:
     """Return the two frames of a closed loop."""
-    # Before the names are looked at: a list of a few bytes may stand in a file thousands of times.
+    # This is checked before the names, because a file may refer thousands of times to one long
+    # list.
     if node.id == "sequence" and len(node.value) != 2:
         raise InvalidRobotFile(path, f"every closed loop joins two frames, got {_shown(node)}")
     first, second = _names(path, node, "closed_loop")
@@ -108,8 +112,8 @@ def _pair(path: Path, node: Any) -> tuple[str, str]:
 def _keys(path: Path) -> dict[str, Any]:
     """Return the nodes of a YAML file by their keys.
 
-    Nothing is made of them, neither dates nor numbers nor objects of Python, so what stands under
-    keys of other programs is never computed, and a list that is repeated stays one list.
+    The nodes are not converted to dates, numbers or Python objects, so values under keys of other
+    programs are never constructed, and an aliased list is stored once.
     """
     import yaml
 
@@ -120,7 +124,7 @@ def _keys(path: Path) -> dict[str, Any]:
             self.depth += 1
             self.found += 1
             if self.depth > DEEPEST:
-                raise ValueError(f"more than {DEEPEST} lists or keys are in each other")
+                raise ValueError(f"lists or keys are nested more than {DEEPEST} deep")
             if self.found > MOST:
                 raise ValueError(f"it holds more than {MOST} lists, keys and names")
             node = super().compose_node(parent, index)
@@ -155,14 +159,13 @@ def read_loops(path: str | Path) -> Loops:
     Returns
     -------
     Loops
-        What the file says; whether the names exist in a model is checked by
-        :func:`constraint_models`.
+        The contents of the file. :func:`constraint_models` checks whether the names exist in a
+        model.
 
     Raises
     ------
     InvalidRobotFile
-        If the file is missing, is not YAML, lacks a key or holds something else than the format
-        asks for.
+        If the file is missing, is not YAML, lacks a key or violates the format.
     """
     path = Path(path)
     content = _keys(path)
@@ -224,10 +227,10 @@ def _replaced(
 
 
 def _frame(model: pin.Model, name: str, pair: tuple[str, str], path: str | Path) -> Any:
-    """Return the frame of a name.
+    """Return the frame with a name.
 
-    A URDF may give a joint and a link the same one, which is clear if the two coincide, or if it is
-    said which is meant, as ``body:name`` or ``joint:name``.
+    A URDF may give a joint and a link the same name. The name is unique if the two frames coincide,
+    or with a prefix, ``body:name`` or ``joint:name``.
     """
     first, *others = [model.frames[number] for number in frames_named(model, name)] or [None]
     if first is None:
@@ -257,13 +260,13 @@ def constraint_models(
     path : path
         The loop file, for error messages.
     key : str
-        What names the motors, for error messages.
+        The key or argument that names the motors, for error messages.
 
     Returns
     -------
     pinocchio.StdVec_RigidConstraintModel
-        One constraint model per loop, in the local frame of its first frame; but none of hinges,
-        see :func:`hinges`.
+        One constraint model per loop, in the local frame of its first frame, except for hinges; see
+        :func:`hinges`.
 
     Raises
     ------
@@ -323,16 +326,16 @@ def rigid_constraint(
 ) -> Any:
     """Return the constraint model that joins two placements, each in a joint.
 
-    In position (``"3d"``) or entirely (``"6d"``).
+    It joins their positions (``"3d"``), or positions and orientations (``"6d"``).
     """
     contact = pin.ContactType.CONTACT_6D if kind == "6d" else pin.ContactType.CONTACT_3D
     return pin.RigidConstraintModel(contact, model, *first, *second, pin.ReferenceFrame.LOCAL)
 
 
 def check_actuated(model: pin.Model, actuated: tuple[str, ...], path: str | Path, key: str) -> None:
-    """Raise :class:`InvalidRobotFile` unless all names fit.
+    """Raise :class:`InvalidRobotFile` unless all names can be those of motors.
 
-    They must be those of different joints of one degree of freedom.
+    They must name different joints of one degree of freedom.
     """
     _no_name_twice(Path(path), actuated, key)
     for name in actuated:

@@ -1,9 +1,10 @@
-"""Volume and inertia of bodies whose surface is a mesh.
+"""Compute volume and inertia of bodies whose surface is a mesh.
 
-A closed surface is cut into pyramids from its center to each triangle, whose volumes are signed:
-what lies outside of the body cancels. MuJoCo's four ways to take a mesh are told apart as its asset
-``mesh`` does with ``inertia``: ``exact`` so; ``legacy`` with volumes that are never negative, which
-is right for convex bodies only; ``convex`` for the convex hull; ``shell`` for a thin sheet.
+The body is divided into pyramids from its center to each triangle. Their volumes are signed, so
+parts outside the body cancel. MuJoCo computes the inertia of a mesh in one of four ways, which the
+attribute ``inertia`` of its asset ``mesh`` selects: ``exact`` as above; ``legacy`` with absolute
+volumes, which is right for convex bodies only; ``convex`` for the convex hull; ``shell`` for a thin
+sheet.
 """
 
 from __future__ import annotations
@@ -17,24 +18,24 @@ from psp3.checks import Array
 from psp3.description.meshes import Mesh
 
 KINDS = ("legacy", "exact", "convex", "shell")
-"""How the inertia of a mesh can be meant; the first is MuJoCo's default."""
+"""The ways to compute the inertia of a mesh; the first is MuJoCo's default."""
 
 LEAST_VOLUME = 1e-15
-"""Up to this a volume [m³] or an area [m²] is none: MuJoCo's ``mjMINVAL``."""
+"""A volume [m³] or an area [m²] up to this counts as zero: MuJoCo's ``mjMINVAL``."""
 
 LEAST_AREA = LEAST_VOLUME**0.5
-"""Triangles up to this size have no direction [m²]."""
+"""Triangles up to this area have no direction [m²]."""
 
 
 class MeshInertia(NamedTuple):
     """A homogeneous body of density one whose surface is a mesh."""
 
     volume: float
-    """Its volume [m³]; of a shell its area [m²]."""
+    """Its volume [m³]; for a shell, its area [m²]."""
     center: Array
     """Its center of mass, (3,) [m]."""
     inertia: Array
-    """Its inertia about the center, (3, 3) [m⁵]; of a shell [m⁴]."""
+    """Its inertia about the center, (3, 3) [m⁵]; for a shell [m⁴]."""
 
 
 def mesh_inertia(mesh: Mesh, kind: str) -> MeshInertia:
@@ -46,15 +47,15 @@ def mesh_inertia(mesh: Mesh, kind: str) -> MeshInertia:
     .. math:: P = \sum_i \frac{V_i}{20} \big( s s^T + a a^T + b b^T + c c^T \big),
        \quad s = a + b + c,
 
-    and the inertia is :math:`\mathrm{tr}(P)\,1 - P`. Of a shell, areas over 12 take the place of
-    :math:`V_i / 20`.
+    and the inertia is :math:`\mathrm{tr}(P)\,1 - P`. For a shell, :math:`V_i / 20` is replaced by
+    the area of the triangle over 12.
 
     Parameters
     ----------
     mesh : Mesh
         The surface, counterclockwise seen from outside.
     kind : {"legacy", "exact", "convex", "shell"}
-        How it is meant.
+        The way to compute the inertia.
 
     Returns
     -------
@@ -63,12 +64,12 @@ def mesh_inertia(mesh: Mesh, kind: str) -> MeshInertia:
     Raises
     ------
     ValueError
-        If the surface has no volume, or its triangles are turned inside out or not alike.
+        If the surface has no volume, or its triangles point inward or are oriented inconsistently.
     """
     if kind == "convex":
         mesh = hull(mesh.vertices)
     if kind == "exact" and _is_inconsistent(mesh):
-        raise ValueError("its triangles are not all turned alike")
+        raise ValueError("its triangles are not all oriented alike")
     corners = mesh.vertices[mesh.faces]
     doubled = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     areas = 0.5 * np.linalg.norm(doubled, axis=1)
@@ -87,7 +88,7 @@ def mesh_inertia(mesh: Mesh, kind: str) -> MeshInertia:
             )
         center = parts @ (0.75 * centers + 0.25 * middle) / volume
     corners = corners - center
-    # MuJoCo takes the volumes anew from the center, which of "legacy" changes them.
+    # MuJoCo computes the volumes again about the center. For "legacy" this changes them.
     weights = areas / 12.0 if kind == "shell" else _pyramids(corners, kind) / 20.0
     volume = float(weights.sum()) * (12.0 if kind == "shell" else 20.0)
     sums = corners.sum(axis=1)
@@ -117,7 +118,7 @@ def hull(vertices: Array) -> Mesh:
 
 
 def _is_inconsistent(mesh: Mesh) -> bool:
-    """Tell whether two triangles pass an edge in the same direction."""
+    """Tell whether two triangles traverse an edge in the same direction."""
     corners = mesh.vertices[mesh.faces]
     doubled = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     faces = mesh.faces[0.5 * np.linalg.norm(doubled, axis=1) > LEAST_AREA]

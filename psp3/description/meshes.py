@@ -1,6 +1,6 @@
 """Triangles of mesh files.
 
-STL (binary and text), OBJ, and MuJoCo's MSH.
+The formats are STL (binary and text), OBJ and MuJoCo's MSH.
 """
 
 from __future__ import annotations
@@ -23,22 +23,22 @@ STL_HEADER = 84
 STL_TRIANGLE = np.dtype(
     [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")], align=False
 )
-"""A triangle of a binary STL file."""
+"""The layout of a triangle in a binary STL file."""
 
 READ_SUFFIXES = (".stl", ".obj", ".msh")
-"""Ends of the names of mesh files that are read."""
+"""File name endings of meshes that are read."""
 
 DRAWN_SUFFIXES = (*READ_SUFFIXES, ".dae", ".ply", ".off", ".3ds", ".gltf", ".glb", ".x", ".bvh")
-"""Ends of the names of mesh files that are drawn."""
+"""File name endings of meshes that are drawn."""
 
 LARGEST_MESH = 32 * 2**20
-"""Bytes of a mesh whose inertia is computed."""
+"""The largest mesh file whose inertia is computed [bytes]."""
 
 LARGEST_DRAWN = 256 * 2**20
-"""Bytes of a mesh that is drawn."""
+"""The largest mesh file that is drawn [bytes]."""
 
 MOST_TRIANGLES = 1_000_000
-"""Triangles of a mesh whose inertia is computed."""
+"""The largest number of triangles of a mesh whose inertia is computed."""
 
 
 class Mesh(NamedTuple):
@@ -56,12 +56,12 @@ def read_mesh(path: Path) -> Mesh:
     Parameters
     ----------
     path : path
-        The file; the end of its name, in letters of any case, tells its format.
+        The file; the ending of its name, in upper or lower case, gives its format.
 
     Returns
     -------
     Mesh
-        Its vertices and triangles. Polygons with more corners are cut into fans.
+        Its vertices and triangles. Polygons with more corners are cut into triangles.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def read_mesh(path: Path) -> Mesh:
     suffix = path.suffix.lower()
     if suffix not in READ_SUFFIXES:
         raise InvalidFile(
-            path, f"is no mesh that is read here; those end in {', '.join(READ_SUFFIXES)}"
+            path, f"is not a supported mesh file; these end in {', '.join(READ_SUFFIXES)}"
         )
     try:
         content = content_of(path, LARGEST_MESH)
@@ -80,28 +80,31 @@ def read_mesh(path: Path) -> Mesh:
     try:
         mesh = {".stl": _stl, ".obj": _obj, ".msh": _msh}[suffix](content)
     except (ValueError, IndexError, OverflowError) as error:
-        raise InvalidFile(path, f"is no valid {suffix[1:].upper()} file ({error})") from error
+        raise InvalidFile(path, f"is not a valid {suffix[1:].upper()} file ({error})") from error
     if not len(mesh.faces):
         raise InvalidFile(path, "has no triangles")
     if not np.isfinite(mesh.vertices).all():
         raise InvalidFile(path, "has a vertex that is not finite")
     if mesh.faces.min() < 0 or mesh.faces.max() >= len(mesh.vertices):
-        raise InvalidFile(path, f"has a triangle of a vertex beyond its {len(mesh.vertices)}")
+        raise InvalidFile(
+            path, f"has a triangle that refers to a vertex beyond its {len(mesh.vertices)}"
+        )
     return mesh
 
 
 def not_opened(name: str, folders: Iterable[Path] = ()) -> str:
-    """Return why a mesh that a robot file names is not opened to be drawn, empty if it may be.
+    """Return why a mesh that a robot file names must not be opened; an empty text if it may be.
 
-    A robot file may name any file of the machine. What is opened for it is a mesh by its name, a
-    file and no device, and not too large; whether it is there, says who reads it.
+    A robot file may name any file of the machine. A file is opened only if its ending is that of a
+    mesh, it is a regular file and it is not too large. A missing file is reported by the reader of
+    the mesh.
 
     Parameters
     ----------
     name : str
-        The file, or a ``package://`` or ``file://`` of it.
+        The path of the file, or its ``package://`` or ``file://`` address.
     folders : iterable of path
-        Where packages are looked for.
+        Folders in which packages are searched.
     """
     scheme, is_address, rest = name.partition("://")
     path = Path(rest if is_address else name)
@@ -139,7 +142,7 @@ def _stl(content: bytes) -> Mesh:
 
 
 def _joined(corners: Array) -> Mesh:
-    """Return triangles of which each three rows are the corners, equal ones as one vertex."""
+    """Return triangles from rows of corners, three each; equal corners become one vertex."""
     if len(corners) % 3:
         raise ValueError("a triangle without three corners")
     vertices, faces = np.unique(corners, axis=0, return_inverse=True)
@@ -154,14 +157,15 @@ def _obj(content: bytes) -> Mesh:
         if words[:1] == ["v"]:
             vertices.append([float(number) for number in words[1:4]])
         elif words[:1] == ["f"]:
-            # Vertex, texture and normal, counted from one, or backward from the last.
+            # A corner is vertex/texture/normal; numbers count from one, or backward from the last
+            # if negative.
             corners = [int(word.split("/")[0]) for word in words[1:]]
             places = [at - 1 if at > 0 else len(vertices) + at for at in corners]
             if len(faces) + len(places) > MOST_TRIANGLES:
                 raise ValueError(f"more than {MOST_TRIANGLES} triangles")
             faces += [[places[0], *pair] for pair in itertools.pairwise(places[1:])]
     return Mesh(
-        # In single precision, as engines that draw it hold it.
+        # In single precision, as rendering engines store it.
         np.array(vertices, dtype=np.float32).astype(float).reshape(-1, 3),
         np.array(faces, dtype=np.int64).reshape(-1, 3),
     )
@@ -173,7 +177,7 @@ def _msh(content: bytes) -> Mesh:
         raise ValueError("a negative count")
     numbers = 3 * vertices + 3 * normals + 2 * textures
     if len(content) != 16 + 4 * (numbers + 3 * faces):
-        raise ValueError("a size that is not that of its counts")
+        raise ValueError("its size does not match its counts")
     places = np.frombuffer(content, "<f4", 3 * vertices, 16).astype(float)
     corners = np.frombuffer(content, "<i4", 3 * faces, 16 + 4 * numbers).astype(np.int64)
     return Mesh(places.reshape(-1, 3), corners.reshape(-1, 3))

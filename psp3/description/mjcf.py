@@ -1,6 +1,6 @@
 """Robots from MJCF files, the format of MuJoCo.
 
-A tree, loops that are equality constraints, and motors.
+Bodies give the tree, equality constraints the loops, and actuators the motors.
 """
 
 from __future__ import annotations
@@ -28,7 +28,9 @@ from psp3.multibody.equations import Coupling
 logger = logger_named(__name__)
 
 MOST_SHAPES = 2000
-"""Geoms that are drawn; Pinocchio's parser takes seconds for so many, and minutes for more."""
+"""The largest number of drawn geoms. Pinocchio's parser takes seconds for these, and minutes for
+more.
+"""
 
 
 def read_mjcf(
@@ -39,24 +41,26 @@ def read_mjcf(
     """Read a robot from an MJCF file.
 
     Loops are the active equality constraints ``connect`` (a point) and ``weld`` (position and
-    orientation), between bodies or sites. Actuated are the joints of the ``<actuator>`` section in
-    its order, once each; a motor on a fixed tendon drives its joints by the tendon's coefficients.
-    Joint equalities couple two joints by a polynomial, or hold one. ``q0`` is the key frame
-    ``home``, if there is one. Pinocchio's coordinates are zero where MuJoCo's are those of its
-    reference pose (``qpos0``): angles and lengths differ by ``ref``.
+    orientation), between bodies or sites. The actuated joints are those of the ``<actuator>``
+    section, in its order, once each. A motor on a fixed tendon drives the joints of the tendon with
+    its coefficients as lever arms. Joint equalities couple two joints with a polynomial, or hold
+    one. ``q0`` is the key frame ``home``, if there is one. Pinocchio's coordinates are zero in
+    MuJoCo's reference pose (``qpos0``), so angles and lengths differ by ``ref``.
 
-    Forces that the equation of motion does not know (springs of balls and of tendons, buoyancy,
+    Forces that the equation of motion does not contain (springs of balls and of tendons, buoyancy,
     fluids) are logged as a warning, and so are meshes that cannot be read. Damping, friction,
-    armature and limits of the joints are in the model, springs of hinges and slides beside it.
+    armature and limits of the joints are in the model. Springs of hinges and slides are returned
+    separately.
 
     Parameters
     ----------
     path : path
         The file.
     actuated : sequence of str, optional
-        Names of the actuated joints, if they are not those of the file.
+        Names of the actuated joints; by default those of the file.
     joint_type : mapping of str to str, optional
-        What hinges stand for, as in a loop file: see :mod:`psp3.description.joint_replacement`.
+        Joint types that hinges stand for, as in a loop file: see
+        :mod:`psp3.description.joint_replacement`.
 
     Returns
     -------
@@ -66,10 +70,10 @@ def read_mjcf(
     Raises
     ------
     InvalidRobotFile
-        If the file is missing or malformed, or holds what cannot be read: other active constraints
-        than loops, motors that drive something else than a joint of one degree of freedom, geoms
-        whose inertia is needed and not known, or bodies that MuJoCo makes of one element
-        (``composite``, ``flexcomp``; it can write those out).
+        If the file is missing or malformed, or contains something that cannot be read: active
+        constraints other than loops, motors that do not drive a joint of one degree of freedom,
+        geoms whose inertia is needed and not known, or elements that MuJoCo expands to several
+        bodies (``composite``, ``flexcomp``; MuJoCo can write out the expansion).
     """
     document = spelled_out(path)
     plain = plain_mjcf(document)
@@ -133,11 +137,11 @@ def _tree(document: MjcfDocument, plain: PlainMjcf) -> tuple[pin.Model, Any]:
 
 
 def _shapes(plain: PlainMjcf, model: pin.Model, file: Path) -> Any:
-    """Return the shapes, but not those whose meshes cannot be read."""
+    """Return the shapes, without those whose meshes cannot be read."""
     try:
         return pin.buildGeomFromMJCF(model, str(file), pin.GeometryType.VISUAL)
     except (ValueError, RuntimeError):
-        # Which of them is read once more only where one cannot be.
+        # Meshes are tried one by one only if one of them cannot be read.
         if not plain.leave_out_unreadable():
             raise
     ElementTree.ElementTree(plain.root).write(file, encoding="utf-8")
@@ -161,7 +165,8 @@ def _set_joints(model: pin.Model, plain: PlainMjcf) -> None:
         model.damping[velocities] = item.damping
         model.armature[velocities] = item.armature
         if item.kind == "free":
-            # Pinocchio's parser puts it elsewhere, and at qpos0 of its own where the file has it.
+            # Pinocchio's parser places a free joint elsewhere and moves the difference into its own
+            # qpos0.
             model.jointPlacements[joint.id] = item.placement
     model.referenceConfigurations["qpos0"] = pin.neutral(model)
 
@@ -177,7 +182,7 @@ def _gravity(document: MjcfDocument) -> Array:
 
 
 def _is_scalar(model: pin.Model, joint: MjcfJoint | None) -> bool:
-    """Tell whether a joint is in the file, and a hinge or slide that nothing has replaced."""
+    """Tell whether a joint is a hinge or slide of the file that was not replaced."""
     return (
         joint is not None
         and joint.kind in ("hinge", "slide")
@@ -189,7 +194,7 @@ def _is_scalar(model: pin.Model, joint: MjcfJoint | None) -> bool:
 def _tendons(
     document: MjcfDocument, plain: PlainMjcf, model: pin.Model
 ) -> dict[str, dict[str, float]]:
-    """Return the levers of the joints of every fixed tendon."""
+    """Return the lever arms of the joints of every fixed tendon."""
     joints = {joint.name: joint for joint in plain.joints}
     tendons: dict[str, dict[str, float]] = {}
     for element in document.section("tendon"):
@@ -200,7 +205,7 @@ def _tendons(
             name = part.get("joint", "")
             if not _is_scalar(model, joints.get(name)):
                 raise document.wrong(
-                    f"tendon: {described(element)} pulls joint {name!r}, which is no hinge or "
+                    f"tendon: {described(element)} pulls joint {name!r}, which is not a hinge or "
                     "slide of the file"
                 )
             levers[name] = levers.get(name, 0.0) + document.number(part, "coef", 0.0)
@@ -220,10 +225,10 @@ def _couplings(document: MjcfDocument, plain: PlainMjcf, model: pin.Model) -> tu
         for name in (follows, leads):
             if not _is_scalar(model, joints.get(name)):
                 raise document.wrong(
-                    f"equality: {described(element)} couples joint {name!r}, which is no hinge or "
-                    "slide of the file"
+                    f"equality: {described(element)} couples joint {name!r}, which is not a hinge "
+                    "or slide of the file"
                 )
-        # Pinocchio's coordinates count from MuJoCo's reference pose, as the polynomial does.
+        # The polynomial and Pinocchio's coordinates both count from MuJoCo's reference pose.
         given = document.numbers(element, "polycoef")
         coefficients = [0.0, 1.0, 0.0, 0.0, 0.0]
         if given is not None:
@@ -252,19 +257,19 @@ def _motors(
         name = element.get("joint") or element.get("jointinparent") or element.get("tendon")
         if name is None:
             raise document.wrong(
-                f"actuator: {described(element)} drives no joint and no fixed tendon; say which "
-                "joints are actuated (actuated=[...])"
+                f"actuator: {described(element)} drives neither a joint nor a fixed tendon; say "
+                "which joints are actuated (actuated=[...])"
             )
         if element.get("tendon") is not None and name not in tendons:
             raise document.wrong(
-                f"actuator: {described(element)} drives tendon {name!r}, which is no fixed tendon "
-                "of the file; say which joints are actuated (actuated=[...])"
+                f"actuator: {described(element)} drives tendon {name!r}, which is not a fixed "
+                "tendon of the file; say which joints are actuated (actuated=[...])"
             )
         if element.get("tendon") is None and name not in joints:
             raise document.wrong(
                 f"actuator: {described(element)} drives joint {name!r}, which is not in the file"
             )
-        # A servo of position and one of speed may drive the same joint.
+        # A position servo and a velocity servo may drive the same joint.
         if name not in motors:
             motors.append(name)
     if not motors:
@@ -323,7 +328,7 @@ def _places(
 ) -> list[tuple[str, pin.SE3 | None]]:
     """Return the two bodies of a loop and where it joins each.
 
-    None stands for where the other one is in the reference pose.
+    None stands for the place of the other body in the reference pose.
     """
     where = f"equality: {described(element)}"
     if element.get("site1") is not None or element.get("site2") is not None:
@@ -347,8 +352,8 @@ def _places(
     if pose is None or not pose[3:].any():
         return [(bodies[0], None), (bodies[1], anchor)]
     w, x, y, z = pose[3:] / np.linalg.norm(pose[3:])
-    # The position is where the anchor, not the second body, is in the first one: so MuJoCo
-    # computes.
+    # As in MuJoCo's code, the position is that of the anchor in the first body, not of the second
+    # body.
     return [(bodies[0], pin.SE3(pin.Quaternion(w, x, y, z), pose[:3])), (bodies[1], anchor)]
 
 
@@ -371,7 +376,7 @@ def _home(document: MjcfDocument, plain: PlainMjcf, model: pin.Model) -> Array |
         ends = np.cumsum([widths[joint.kind] for joint in plain.joints])
         for item, part in zip(plain.joints, np.split(positions, ends[:-1]), strict=True):
             if not model.existJointName(item.name):
-                # It was replaced by no joint, or by two.
+                # The joint was removed, or replaced by two.
                 continue
             joint = model.joints[model.getJointId(item.name)]
             q[joint.idx_q : joint.idx_q + joint.nq] = _coordinates(document, item, part, joint.nq)
@@ -381,10 +386,10 @@ def _home(document: MjcfDocument, plain: PlainMjcf, model: pin.Model) -> Array |
 
 
 def _coordinates(document: MjcfDocument, joint: MjcfJoint, position: Array, count: int) -> Array:
-    """Return Pinocchio's coordinates of a joint, so many, from MuJoCo's."""
+    """Return Pinocchio's ``count`` coordinates of a joint from MuJoCo's."""
     if joint.kind in ("hinge", "slide"):
         turned = position - joint.reference
-        # A hinge that stands for a ball turns about its axis.
+        # The pose of a hinge that stands for a ball is a rotation about the axis of the hinge.
         return (
             turned
             if count == 1
@@ -396,7 +401,7 @@ def _coordinates(document: MjcfDocument, joint: MjcfJoint, position: Array, coun
     turn = pin.Quaternion(w, x, y, z).normalized()
     if joint.kind == "ball":
         return np.asarray(turn.coeffs())
-    # MuJoCo counts from the world, Pinocchio from where the body stands in the file.
+    # MuJoCo's pose is relative to the world, Pinocchio's to the place of the body in the file.
     return np.asarray(pin.SE3ToXYZQUAT(joint.placement.actInv(pin.SE3(turn, position[:3]))))
 
 

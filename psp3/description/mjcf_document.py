@@ -1,9 +1,10 @@
 """An MJCF file as MuJoCo reads it.
 
-Included files put in, defaults written out, angles in radians, poses of one kind.
+Included files are inserted, defaults are written out, angles are in radians, and every pose is a
+position and a quaternion.
 
 MuJoCo's own documentation of the format (XML Reference) says what each attribute means; the tests
-compare with what it compiles.
+compare with the models that MuJoCo compiles.
 """
 
 from __future__ import annotations
@@ -27,27 +28,29 @@ ORIENTATIONS = {"quat": 4, "axisangle": 4, "euler": 3, "xyaxes": 6, "zaxis": 3}
 """Attributes that give an orientation, and how many numbers each holds."""
 
 MOST_FILES = 200
-"""So many files may be included and attached, each counted as often as it is."""
+"""The largest number of included and attached files. A file that is used several times counts each
+time.
+"""
 
 LONGEST_NAME = 1000
-"""Characters of a name that copies have made longer."""
+"""The longest name of a copied element [characters]; each copy adds a prefix or suffix."""
 
 SHORTEST = 1e-14
-"""A vector below this has no direction, and a mass below this is none: MuJoCo's ``mjEPS``."""
+"""A shorter vector has no direction, and a smaller mass counts as zero: MuJoCo's ``mjEPS``."""
 
 LARGEST = 1e50
-"""A larger number is that of no robot, and its square may be none of a computer."""
+"""The largest number that is read. No robot needs a larger one, and its square could overflow."""
 
 
 class Spent:
-    """What has been read and copied for one robot, of all of its files."""
+    """Counts the files and elements that were read and copied for one robot."""
 
     def __init__(self) -> None:
         self.files = self.elements = 0
 
 
 class MjcfDocument:
-    """An MJCF file with what its elements inherit.
+    """An MJCF file with the attributes that its elements inherit.
 
     Parameters
     ----------
@@ -60,29 +63,29 @@ class MjcfDocument:
     Attributes
     ----------
     root : Element
-        The file's root, with what it includes in its place.
+        The file's root; included files are inserted.
     compiler : dict of str to str
         Settings of the compiler.
     unknown : tuple of str
-        What is no word of the format.
+        Words that the format does not have.
     radians_per_unit : float
-        What an angle of the file is multiplied with.
+        Factor from the file's unit of angle to radians.
     settings : dict
-        Settings of the compiler by which the inertia of a body is found, for bodies that come from
-        a file of others.
+        Compiler settings for the inertia of a body. Bodies from an attached file keep the settings
+        of that file.
 
     Raises
     ------
     InvalidRobotFile
-        If it is missing, is no MJCF, includes a file that is missing, twice included or not in its
-        folder, its compiler has settings that are not read, or it stands for more files or elements
-        than are read.
+        If it is missing or not an MJCF; includes a file that is missing, included twice or outside
+        its folder; has compiler settings that are not supported; or expands to too many files or
+        elements.
     """
 
     def __init__(self, path: str | Path, above: tuple[MjcfDocument, ...] = ()) -> None:
         self.path, self.above = Path(path), above
         self.folder: Path = above[0].folder if above else self.path.resolve().parent
-        # Of all files of a robot together.
+        # Counted over all files of a robot.
         self.settings: dict[ElementTree.Element, dict[str, str]] = (
             above[0].settings if above else {}
         )
@@ -116,23 +119,23 @@ class MjcfDocument:
         self._classes.setdefault(self._main, {})
 
     advice = "let MuJoCo write the model out (mj_saveLastXML) and read that file"
-    """What to do about an MJCF that says more than this reader takes."""
+    """What an error message advises for an MJCF with elements that this reader does not support."""
 
     def wrong(self, reason: str) -> InvalidRobotFile:
-        """Return the error that says what is wrong with this file."""
+        """Return the error for a reason, with the path of this file."""
         return InvalidRobotFile(self.path, reason)
 
     def spend(self, elements: int = 0, files: int = 0) -> None:
-        """Count what is read or copied, and refuse what no robot needs."""
+        """Count files and elements that are read or copied, and refuse more than a robot needs."""
         self._spent.elements += elements
         self._spent.files += files
         if self._spent.elements > MOST_ELEMENTS:
-            raise self.wrong(f"stands for more than {MOST_ELEMENTS} elements")
+            raise self.wrong(f"expands to more than {MOST_ELEMENTS} elements")
         if self._spent.files > MOST_FILES:
             raise self.wrong(f"includes and attaches more than {MOST_FILES} files")
 
     def _update(self, known: dict[str, str], element: ElementTree.Element) -> None:
-        """Add the attributes of an element to those that others have given."""
+        """Add the attributes of an element to those of earlier elements."""
         known.update(element.attrib)
         if len(known) > MOST_ATTRIBUTES:
             raise self.wrong(f"<{element.tag}> has more than {MOST_ATTRIBUTES} attributes")
@@ -141,7 +144,7 @@ class MjcfDocument:
         """Put the children of included files where the elements <include> stand."""
         if depth > DEEPEST:
             raise self.wrong(
-                f"more than {DEEPEST} elements are in each other, the last {described(element)}"
+                f"elements are nested more than {DEEPEST} deep, the last {described(element)}"
             )
         for index in reversed(range(len(element))):
             child = element[index]
@@ -159,7 +162,7 @@ class MjcfDocument:
                 self._include(child, included, depth + 1)
 
     def _inside(self, element: ElementTree.Element) -> Path:
-        """Return the file that an element names, which must be in the folder of the robot."""
+        """Return the file that an element names; it must be in the folder of the robot."""
         if not element.get("file"):
             raise self.wrong(f"{described(element)} has no file")
         path = (self.path.parent / element.attrib["file"]).resolve()
@@ -171,7 +174,7 @@ class MjcfDocument:
         return path
 
     def attached(self, element: ElementTree.Element) -> MjcfDocument:
-        """Return the file of a model that is to be attached."""
+        """Return the file of a model to attach."""
         path = self._inside(element)
         if path in [one.path.resolve() for one in (*self.above, self)]:
             raise self.wrong(f"{described(element)}: {path.name} attaches itself")
@@ -180,14 +183,14 @@ class MjcfDocument:
         return other
 
     def written_out(self, root: ElementTree.Element) -> MjcfDocument:
-        """Return this file with another tree, in radians, that has no classes."""
+        """Return this file with another tree, which is in radians and has no classes."""
         other = copy.copy(self)
         other.root, other.radians_per_unit = root, 1.0
         other._main, other._classes = "main", {"main": {}}
         return other
 
     def named(self, element: ElementTree.Element, name: str) -> None:
-        """Give an element that was copied a name of its own."""
+        """Give a copied element its own name."""
         if len(name) > LONGEST_NAME:
             raise self.wrong(
                 f"<{element.tag}>: a copy has a name of more than {LONGEST_NAME} characters, "
@@ -196,7 +199,7 @@ class MjcfDocument:
         element.set("name", name)
 
     def locate(self, mesh: ElementTree.Element) -> None:
-        """Give a mesh its name, and the full path of its file."""
+        """Set the name of a mesh and the full path of its file."""
         file = mesh.get("file")
         if file is None:
             return
@@ -232,7 +235,7 @@ class MjcfDocument:
     ) -> ElementTree.Element:
         """Return an element with the attributes that it inherits.
 
-        From its class, that of the body around it, or the main one.
+        It inherits from its class, from the class of the body around it, or from the main class.
         """
         name = element.get("class") or child_class or self._main
         if name not in self._classes:
@@ -242,7 +245,7 @@ class MjcfDocument:
         return result
 
     def numbers(self, element: ElementTree.Element, attribute: str, *counts: int) -> Array | None:
-        """Return the numbers of an attribute, None without it.
+        """Return the numbers of an attribute; None if it is missing.
 
         See :func:`psp3.description.xml.numbers`.
         """
@@ -255,7 +258,7 @@ class MjcfDocument:
         return values
 
     def number(self, element: ElementTree.Element, attribute: str, default: float) -> float:
-        """Return the one number of an attribute."""
+        """Return the single number of an attribute."""
         value = self.numbers(element, attribute, 1)
         return default if value is None else float(value[0])
 
@@ -279,25 +282,25 @@ class MjcfDocument:
         return text == "true"
 
     def total_mass(self) -> float | None:
-        """Return the mass to which all bodies are scaled together [kg]; None if they are not."""
+        """Return the total mass to which all bodies are scaled [kg]; None without scaling."""
         settings = ElementTree.Element("compiler", self.compiler)
         total = self.number(settings, "settotalmass", -1.0)
         return total if total > 0.0 else None
 
     def setting(self, body: ElementTree.Element, name: str, default: str) -> str:
-        """Return a setting of the compiler that a body's inertia follows."""
+        """Return a compiler setting that affects a body's inertia."""
         return self.settings.get(body, self.compiler).get(name, default)
 
     def place_in(self, element: ElementTree.Element, frame: pin.SE3) -> None:
-        """Place an element, which stands in a frame of its body, in the body.
+        """Convert the placement of an element from a frame of its body to the body itself.
 
-        By a position and a quaternion, or by its ends. Numbers that nothing changes stay as they
-        are written, to the last digit.
+        The result is a position and a quaternion, or two ends. Numbers that do not change keep all
+        the digits that are written in the file.
         """
         still = frame.isIdentity(0.0)
         ends = None if still else self.ends(element)
         if ends is not None:
-            # The ends leave a turn about their line open, which the frame turns along.
+            # The ends leave the rotation about their line open; the frame rotates it, too.
             thickness = element.get("size", "").split()[:1]
             wide = element.get("type") in ("box", "ellipsoid")
             element.set("size", " ".join([*thickness * (1 + wide), text_of([ends[1]])]))
@@ -315,9 +318,9 @@ class MjcfDocument:
         set_place(element, placement)
 
     def placement(self, element: ElementTree.Element) -> pin.SE3:
-        """Return where an element sits in its body, or a body in its parent.
+        """Return the placement of an element in its body, or of a body in its parent.
 
-        ``pos`` and one of five ways to give an orientation.
+        It is given as ``pos`` and one of five attributes for the orientation.
         """
         return pin.SE3(self._rotation(element), self.vector(element, "pos"))
 
@@ -338,7 +341,7 @@ class MjcfDocument:
             ) from None
 
     def rotation_of_quaternion(self, element: ElementTree.Element, attribute: str) -> Array:
-        """Return the rotation of an attribute that is a quaternion; none without it."""
+        """Return the rotation of a quaternion attribute; the identity if it is missing."""
         values = self.numbers(element, attribute, 4)
         if values is None:
             return np.eye(3)
@@ -363,8 +366,8 @@ class MjcfDocument:
         rotation = np.eye(3)
         for letter, angle in zip(self._sequence, values, strict=True):
             turn = pin.utils.rotate(letter.lower(), self.radians_per_unit * angle)
-            # Small letters turn about the axes that were turned before, capitals about those of the
-            # parent.
+            # Small letters rotate about the axes that were already rotated, capitals about those of
+            # the parent.
             rotation = rotation @ turn if letter.islower() else turn @ rotation
         return rotation
 
@@ -377,9 +380,9 @@ class MjcfDocument:
         return rotation_to(values)
 
     def ends(self, element: ElementTree.Element) -> tuple[pin.SE3, float] | None:
-        """Return center and half length of an element that is given by the two ends of its z axis.
+        """Return center and half length of an element that is given as the two ends of its z axis.
 
-        That is ``fromto``; None without it.
+        The attribute is ``fromto``; return None if it is missing.
         """
         ends = self.numbers(element, "fromto", 6)
         if ends is None:
@@ -396,12 +399,12 @@ class MjcfDocument:
 
 
 def text_of(values: ArrayLike) -> str:
-    """Return numbers as an attribute holds them, with all of their digits."""
+    """Return numbers as the text of an attribute, with all of their digits."""
     return " ".join(f"{value:.17g}" for value in np.asarray(values, dtype=float))
 
 
 def set_place(element: ElementTree.Element, placement: pin.SE3) -> None:
-    """Give an element its position and quaternion."""
+    """Set the position and quaternion of an element."""
     quaternion = pin.Quaternion(placement.rotation)
     element.set("pos", text_of(placement.translation))
     element.set("quat", text_of([quaternion.w, quaternion.x, quaternion.y, quaternion.z]))
@@ -416,9 +419,9 @@ def unit(vector: Array) -> Array:
 
 
 def rotation_to(direction: Array) -> Array:
-    """Return the shortest rotation that takes z to a direction.
+    """Return the shortest rotation of z to a direction.
 
-    Half a turn about x where that is downward.
+    It is half a turn about x if the direction is downward.
     """
     direction = unit(direction)
     axis = np.cross([0.0, 0.0, 1.0], direction)

@@ -1,13 +1,12 @@
-"""MJCF files with everything written out.
+"""Expand an MJCF file until every element stands for itself.
 
-What stands for several elements, or changes others from afar, is put into the elements themselves:
-``frame`` into the poses in it, ``replicate`` and ``attach`` into the bodies that they copy, classes
-into attributes, orientations into quaternions and angles into radians. What is left is bodies,
-joints, geoms and sites with attributes of their own.
+``frame`` is merged into the poses in it, ``replicate`` and ``attach`` are replaced by the bodies
+that they copy, and classes by attributes. Orientations become quaternions, and angles are converted
+to radians. Bodies, joints, geoms and sites with their own attributes remain.
 
-Models that are attached have settings of the compiler, classes and meshes of their own, so a file
-is written out before it is put into another one. What refers to nothing but attached elements comes
-along: loops, couplings, tendons and motors, not key frames.
+Attached models have their own compiler settings, classes and meshes, so each file is expanded
+before it is attached. Loops, couplings, tendons and motors that refer only to attached elements are
+copied with them; key frames are not.
 """
 
 from __future__ import annotations
@@ -25,13 +24,13 @@ from psp3.description.mjcf_document import MjcfDocument, text_of
 from psp3.description.xml import described
 
 PLACED = {"body", "geom", "site", "camera", "light", "inertial", "joint", "freejoint"}
-"""What stands in a body and has a place there."""
+"""Elements of a body that have a placement in it."""
 
 TURNS = ("range", "ref", "springref")
-"""Attributes of a joint that are angles, if it turns."""
+"""Attributes of a joint that are angles if it is a hinge or ball."""
 
 LIMITS = {"range": "limited", "actuatorfrcrange": "actuatorfrclimited"}
-"""Limits of a joint, with what switches them on."""
+"""Limits of a joint, with the attribute that switches each on."""
 
 OWNERS = {
     "joint": "joint",
@@ -53,11 +52,11 @@ OWNERS = {
     "tendon1": "tendon",
     "tendon2": "tendon",
 }
-"""Attributes that refer to another element, with the kind of what they name."""
+"""Attributes that refer to another element, with the kind of that element."""
 
 
 def spelled_out(path: str | Path) -> MjcfDocument:
-    """Return an MJCF file with everything written out.
+    """Return an expanded MJCF file.
 
     Parameters
     ----------
@@ -67,18 +66,18 @@ def spelled_out(path: str | Path) -> MjcfDocument:
     Returns
     -------
     MjcfDocument
-        It, with neither classes nor frames nor copies.
+        The file without classes, ``frame``, ``replicate`` and ``attach``.
 
     Raises
     ------
     InvalidRobotFile
-        If it, or one that it includes or attaches, is missing, malformed or refers to itself.
+        If the file, or one that it includes or attaches, is missing, malformed or refers to itself.
     """
     return _Expansion(MjcfDocument(path)).result()
 
 
 class _Expansion:
-    """Writes out one file, a part of it at a time."""
+    """Expands one file, part by part."""
 
     def __init__(self, document: MjcfDocument) -> None:
         self.document = document
@@ -89,11 +88,11 @@ class _Expansion:
             for other in [_Expansion(document.attached(item))]
         }
         self._places: dict[tuple[str, str], tuple[ElementTree.Element, str | None]] | None = None
-        # Sections that came along with attached elements.
+        # Elements of other sections that were copied with attached elements.
         self.additions: list[tuple[str, ElementTree.Element]] = []
 
     def result(self) -> MjcfDocument:
-        """Return the whole file, written out."""
+        """Return the whole expanded file."""
         root = ElementTree.Element("mujoco", self.document.root.attrib)
         world = ElementTree.SubElement(root, "worldbody")
         for section in self.document.root.findall("worldbody"):
@@ -106,7 +105,7 @@ class _Expansion:
                 (ElementTree.SubElement(root, tag) if holder is None else holder).append(item)
         return self.document.written_out(root)
 
-    # Sections that are no tree
+    # Sections other than the tree
 
     def sections(self) -> list[tuple[str, ElementTree.Element]]:
         """Return the elements of all other sections, with what they inherit."""
@@ -114,7 +113,7 @@ class _Expansion:
         for section in self.document.root:
             self.document.spend(elements=1)
             if section.tag in ("option", "size", "statistic"):
-                # Of these the section itself is the element.
+                # These sections have attributes of their own.
                 written.append((section.tag, section))
             elif section.tag not in ("default", "compiler", "worldbody"):
                 self.document.spend(elements=len(section))
@@ -128,7 +127,7 @@ class _Expansion:
     def _item(self, section: str, item: ElementTree.Element) -> ElementTree.Element:
         if section not in ("asset", "equality", "tendon", "actuator"):
             return item
-        # MuJoCo has one default for all loops and couplings, and one for all tendons.
+        # MuJoCo has one default for all kinds of equality, and one for all kinds of tendon.
         full = self.document.full(item, tag=section if section in ("equality", "tendon") else None)
         full.extend(item)
         full.attrib.pop("class", None)
@@ -145,7 +144,7 @@ class _Expansion:
         child_class: str | None,
         frame: pin.SE3,
     ) -> None:
-        """Write elements into a body, which stand in a frame of it."""
+        """Write elements of a frame into its body."""
         for item in items:
             self.document.spend(elements=1)
             inner_class = item.get("childclass", child_class)
@@ -166,7 +165,7 @@ class _Expansion:
     def _placed(
         self, item: ElementTree.Element, child_class: str | None, frame: pin.SE3
     ) -> ElementTree.Element:
-        """Return an element with all of its attributes, in the frame of its body."""
+        """Return an element with all of its attributes, placed in its body."""
         document = self.document
         if item.tag in ("body", "inertial", "freejoint"):
             plain = ElementTree.Element(item.tag, item.attrib)
@@ -179,7 +178,7 @@ class _Expansion:
         elif item.tag != "freejoint":
             document.place_in(plain, frame)
         if item.tag == "body":
-            # Its inertia follows the settings of the file that it comes from.
+            # The inertia of a body depends on the settings of the file that it comes from.
             document.settings[plain] = {**document.compiler, "own_pos": item.get("pos", "0 0 0")}
         return plain
 
@@ -220,9 +219,9 @@ class _Expansion:
             )
         offset, angles = document.vector(item, "offset"), document.vector(item, "euler")
         turn = pin.SE3(document.rotation_from_euler(angles), np.zeros(3))
-        # Each copy stands where the one before it puts the next: its offset turns with it.
+        # The offset is applied in the frame of the preceding copy, so it rotates with the copies.
         place = pin.SE3.Identity()
-        # Also of nothing: a thousand times a thousand copies of nothing take time, too.
+        # Empty copies count, too, because a million of them would also take long.
         document.spend(elements=int(count))
         digits = len(str(int(count)))
         for number in range(int(count)):
@@ -237,7 +236,7 @@ class _Expansion:
     def _attach(
         self, parent: ElementTree.Element, item: ElementTree.Element, frame: pin.SE3
     ) -> None:
-        """Put a body, a frame or all of a model in, each with what refers to it."""
+        """Insert a body, a frame or a whole model, with the elements that refer to it."""
         document, prefix, model = self.document, item.get("prefix", ""), item.get("model")
         if model is not None and model not in self.models:
             raise document.wrong(
@@ -270,7 +269,7 @@ class _Expansion:
     def _bring_along(
         self, other: _Expansion, names: set[tuple[str, str | None]], prefix: str
     ) -> None:
-        """Copy what refers to nothing but attached elements."""
+        """Copy elements that refer only to attached elements."""
         items = other.sections() + (other.additions if other is not self else [])
         if other is not self:
             for tag, item in items:
@@ -304,7 +303,7 @@ class _Expansion:
         self.additions.append((tag, copied[0]))
 
     def _rename(self, holder: ElementTree.Element, prefix: str, ending: str, assets: str) -> None:
-        """Rename all elements in another one, and the meshes and materials that they refer to."""
+        """Rename an element and all in it, and the meshes and materials that they refer to."""
         for one in holder.iter():
             if one.get("name"):
                 self.document.named(one, prefix + one.attrib["name"] + ending)
@@ -313,7 +312,7 @@ class _Expansion:
                     one.set(key, assets + one.attrib[key])
 
     def place_of(self, tag: str, name: str) -> tuple[ElementTree.Element, str | None] | None:
-        """Return the body or frame of a name, and the class of the elements around it."""
+        """Return the body or frame with a name, and the class that it inherits."""
         if self._places is None:
             self._places = {}
             _list_places(self.document.root, None, self._places)
@@ -325,7 +324,7 @@ def _list_places(
     child_class: str | None,
     found: dict[tuple[str, str], tuple[ElementTree.Element, str | None]],
 ) -> None:
-    """List all bodies and frames, of those of one name the first."""
+    """List all bodies and frames; the first one if several have the same name."""
     for child in element:
         if child.tag in ("body", "frame"):
             found.setdefault((child.tag, child.get("name", "")), (child, child_class))

@@ -1,8 +1,8 @@
-"""Inertias of the bodies of an MJCF file, by MuJoCo's rules.
+"""Compute the inertias of the bodies of an MJCF file by MuJoCo's rules.
 
-A body's ``<inertial>``, or the sum of its geoms, as the settings of the compiler change it. The
-inertia of a mesh is computed where a body can move, and only there: one that stands still needs
-none, and so no file of a mesh.
+The inertia is a body's ``<inertial>`` or the sum over its geoms, modified by the compiler settings.
+The inertia of a mesh is computed only if the body can move, so the mesh file of a fixed body need
+not exist.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from psp3.description.xml import check_inertia, described
 from psp3.errors import InvalidFile
 
 SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "ellipsoid": 3, "box": 3}
-"""Geoms whose mass and shape follow from numbers in the file, and how many sizes each has."""
+"""Geoms that numbers in the file describe, and how many sizes each has."""
 
 UNIT_DENSITY = 1000.0
-"""Density of a geom that gives none [kg/m³]."""
+"""Default density of a geom [kg/m³]."""
 
 
 class MjcfInertias:
@@ -33,7 +33,7 @@ class MjcfInertias:
     Parameters
     ----------
     document : MjcfDocument
-        The file, written out.
+        The expanded file.
     """
 
     def __init__(self, document: MjcfDocument) -> None:
@@ -53,7 +53,7 @@ class MjcfInertias:
         body : Element
             The body.
         moves : bool
-            Whether it can move. If not, nothing is asked of its meshes, which weigh nothing then.
+            Whether it can move. If not, its meshes are not read and have no mass.
 
         Returns
         -------
@@ -62,7 +62,7 @@ class MjcfInertias:
         Raises
         ------
         InvalidRobotFile
-            If it is not given and cannot be computed, or is negative.
+            If the inertia is not given and cannot be computed, or is negative.
         """
         document = self.document
         from_geoms = document.setting(body, "inertiafromgeom", "auto")
@@ -75,7 +75,7 @@ class MjcfInertias:
                 for geom in body.findall("geom"):
                     inertia += self._of_geom(body, geom, moves)
             if inertia.mass == 0.0:
-                # Where a least mass gives it one, MuJoCo has its center there.
+                # If ``boundmass`` gives such a body a mass, MuJoCo places the center of mass there.
                 own = ElementTree.Element("body", pos=document.setting(body, "own_pos", "0 0 0"))
                 inertia.lever = document.vector(own, "pos")
         return self._bounded(body, inertia)
@@ -107,7 +107,7 @@ class MjcfInertias:
         )
 
     def _bounded(self, body: ElementTree.Element, inertia: pin.Inertia) -> pin.Inertia:
-        """Return an inertia as the compiler's settings change it."""
+        """Return an inertia, modified by the compiler settings."""
         document = self.document
         settings = ElementTree.Element("compiler", document.settings.get(body, document.compiler))
         least_mass, least_moment = (
@@ -120,7 +120,7 @@ class MjcfInertias:
             and balanced[2] > balanced[0] + balanced[1]
         ):
             balanced = np.full(3, balanced.mean())
-        # Numbers that no setting changes stay as they are written, to the last digit.
+        # Numbers that no setting changes keep all digits of the file.
         matrix = (
             inertia.inertia if (balanced == moments).all() else axes @ np.diag(balanced) @ axes.T
         )
@@ -181,7 +181,7 @@ class MjcfInertias:
             except InvalidFile as error:
                 raise self.document.wrong(
                     f"{described(body)}: the inertia of mesh {name!r} is needed, and cannot be "
-                    f"computed: {error}; bring the mesh there, or give the body an <inertial>"
+                    f"computed: {error}; provide the mesh, or give the body an <inertial>"
                 ) from error
         volume, center, inertia = self._known[name, shell]
         if mass is None:
@@ -195,7 +195,7 @@ class MjcfInertias:
         element = self._meshes.get(name)
         if element is None:
             raise document.wrong(f"<asset> has no mesh {name!r}")
-        # Files of before MuJoCo 3.3 say so in the geom.
+        # Before MuJoCo 3.3 this was an attribute of the geom.
         kind = "shell" if shell else element.get("inertia", KINDS[0])
         if kind not in KINDS:
             raise document.wrong(
@@ -211,7 +211,7 @@ class MjcfInertias:
             ) from None
 
     def _placed_mesh(self, element: ElementTree.Element) -> Mesh:
-        """Return a mesh as its element moves, turns and scales it."""
+        """Return a mesh after the translation, rotation and scaling of its element."""
         document = self.document
         if element.get("file") is not None:
             vertices, faces = read_mesh(Path(element.attrib["file"]))
@@ -220,18 +220,18 @@ class MjcfInertias:
         turn = document.rotation_of_quaternion(element, "refquat")
         vertices = (vertices - document.vector(element, "refpos")) @ turn
         scale = document.vector(element, "scale", (1.0, 1.0, 1.0))
-        # A mirrored triangle is turned over once more.
+        # Mirroring reverses the orientation of the triangles, so it is reversed again.
         return Mesh(vertices * scale, faces if np.prod(scale) > 0.0 else faces[:, ::-1])
 
     def _written_mesh(self, element: ElementTree.Element) -> Mesh:
-        """Return a mesh whose vertices are in the element; without faces it is their hull."""
+        """Return a mesh whose vertices are in the element; without faces it is the convex hull."""
         document = self.document
         numbers = document.numbers(element, "vertex")
         if numbers is None or numbers.size % 3 or numbers.size < 12:
             raise document.wrong(
                 f"{described(element)} has neither a file nor the coordinates of four vertices"
             )
-        # In single precision, as MuJoCo holds them.
+        # In single precision, as MuJoCo stores them.
         vertices = numbers.astype(np.float32).astype(float).reshape(-1, 3)
         corners = document.numbers(element, "face")
         if corners is None:
@@ -252,7 +252,7 @@ def _within(faces: Array, count: int) -> bool:
 def placed(
     document: MjcfDocument, geom: ElementTree.Element, kind: str
 ) -> tuple[pin.SE3, list[float]]:
-    """Return place and sizes of a geom; lengths are halves, as in the file."""
+    """Return placement and sizes of a geom; lengths are half lengths, as in the file."""
     ends, sizes = document.ends(geom), document.numbers(geom, "size", 1, 2, 3)
     if ends is not None and kind == "sphere":
         raise document.wrong(f"{described(geom)}: a sphere cannot be given by its ends (fromto)")

@@ -1,13 +1,13 @@
-"""The tree of an MJCF file in plain words.
+"""Rewrite the tree of an MJCF file so that Pinocchio's parser reads it as MuJoCo does.
 
-Pinocchio's MJCF parser reads these as MuJoCo means them.
+The rewritten tree is called plain MJCF.
 
-That parser takes only the first body of the world and forgets where it stands; makes one composite
-joint of several joints of a body; passes over orientations of geoms without a position, masses of
-geoms that collide with nothing, sites of bodies without joints, and included files; and does not
-know a range that is switched off. So the tree is written out for it: one body ``world`` that holds
-all others, at most one joint to a body, every inertia and orientation explicit, no classes. What
-its joints are limited to is kept beside.
+Pinocchio's parser reads only the first body of the world and ignores its placement. It merges
+several joints of a body into one composite joint. It ignores orientations of geoms without a
+position, masses of geoms that collide with nothing, sites of bodies without joints, and included
+files. It does not know that a range can be switched off. So plain MJCF has one body ``world`` that
+holds all others, at most one joint to a body, explicit inertias and orientations, and no classes.
+The limits of the joints are stored separately.
 """
 
 from __future__ import annotations
@@ -28,17 +28,18 @@ from psp3.description.mjcf_inertia import SIZES, MjcfInertias, placed
 from psp3.description.xml import described
 
 IN_A_BODY = {"inertial", "joint", "freejoint", "geom", "site", "body", "camera", "light"}
-"""What a body may hold."""
+"""The elements that a body may hold."""
 
 RESERVED = "universe"
-"""Pinocchio's name of what does not move; its parser crashes where another joint has it."""
+"""Pinocchio's name for the fixed world; its parser crashes if a joint has this name."""
 
 COLLISION_GROUP = 3
-"""From this group on, geoms are by custom for collisions only, and MuJoCo's viewer hides them."""
+"""By convention, geoms of this group and above are for collisions only. MuJoCo's viewer hides them.
+"""
 
 
 class MjcfJoint(NamedTuple):
-    """A joint of an MJCF file, with what Pinocchio is told of it after it has built the tree."""
+    """A joint of an MJCF file, with properties that are set after Pinocchio has built the tree."""
 
     name: str
     """Its name in the tree."""
@@ -47,9 +48,9 @@ class MjcfJoint(NamedTuple):
     reference: float
     """MuJoCo's coordinate where Pinocchio's is zero [m or rad]."""
     limits: tuple[float, float]
-    """Of Pinocchio's coordinate [m or rad]."""
+    """Limits of Pinocchio's coordinate [m or rad]."""
     effort: tuple[float, float]
-    """Of the force [N or N·m]."""
+    """Limits of the force [N or N m]."""
     damping: float
     """Viscous friction [N s/m or N m s]."""
     friction: float
@@ -57,33 +58,33 @@ class MjcfJoint(NamedTuple):
     armature: float
     """Inertia of the motor, seen at the joint [kg or kg m²]."""
     stiffness: float
-    """Of the spring in the joint [N/m or N m]."""
+    """Stiffness of the spring in the joint [N/m or N m]."""
     rest: float
     """Pinocchio's coordinate where the spring is at rest [m or rad]."""
     placement: pin.SE3
-    """Where its body stands in the one above, as the file has it."""
+    """Placement of its body in the parent body, as in the file."""
     axis: Array
-    """Of a hinge or slide, in the axes of its body, (3,)."""
+    """Axis of a hinge or slide, in the axes of its body, (3,)."""
 
 
 class PlainMjcf(NamedTuple):
     """A tree in plain MJCF."""
 
     root: ElementTree.Element
-    """What Pinocchio reads."""
+    """The root element for Pinocchio's parser."""
     bodies: tuple[str, ...]
     """Names of the bodies, ``world`` first."""
     joints: tuple[MjcfJoint, ...]
     """The joints, in the order of MuJoCo's coordinates."""
     sites: dict[str, tuple[str, pin.SE3]]
-    """Body of each site, and its place there."""
+    """The body of each site, and the site's placement in it."""
     unreadable: dict[str, str]
     """Files of meshes that cannot be drawn, with the reason."""
     from_outside: tuple[str, ...]
-    """Bodies that MuJoCo lets its user move (``mocap``)."""
+    """Bodies that a MuJoCo user moves from outside (``mocap``)."""
 
     def leave_out_unreadable(self) -> bool:
-        """Take shapes out whose meshes cannot be read; tell whether there are any."""
+        """Remove shapes whose meshes cannot be read; tell whether there were any."""
         import coal
 
         lost = set()
@@ -101,7 +102,7 @@ class PlainMjcf(NamedTuple):
 
 
 def plain_mjcf(document: MjcfDocument) -> PlainMjcf:
-    """Return the tree of an MJCF file in plain words.
+    """Return the tree of an MJCF file as plain MJCF.
 
     Parameters
     ----------
@@ -116,8 +117,8 @@ def plain_mjcf(document: MjcfDocument) -> PlainMjcf:
     Raises
     ------
     InvalidRobotFile
-        If a number, name or element of the tree is none that MuJoCo takes, or says something that
-        is not read.
+        If MuJoCo would refuse a number, name or element of the tree, or an element is not
+        supported.
     """
     return _Writer(document).write()
 
@@ -135,7 +136,7 @@ class _Writer:
         self.meshes: dict[str, tuple[str, str]] = {}
         self.unreadable: dict[str, str] = {}
         self.from_outside: list[str] = []
-        # Compiling to a given mass asks every body for its own.
+        # Scaling to a total mass needs the mass of every body.
         self.total_mass = document.total_mass()
         self.colors: dict[str, str] = {}
         for element in document.section("asset"):
@@ -156,7 +157,7 @@ class _Writer:
                     f"{described(item)} is in the <worldbody>, which cannot move"
                 )
         body = _write_body(ElementTree.SubElement(root, "worldbody"), "world", pin.SE3.Identity())
-        # What stands on the world needs no inertia.
+        # Bodies fixed to the world need no inertia.
         _write_inertia(body, pin.Inertia.Zero())
         self.bodies["world"] = None
         self._fill(body, "world", items, False)
@@ -182,7 +183,7 @@ class _Writer:
         items: Iterable[ElementTree.Element],
         moves: bool,
     ) -> None:
-        """Write shapes and bodies of a body, and note its sites."""
+        """Write the shapes and child bodies of a body, and record its sites."""
         for item in items:
             if item.tag not in IN_A_BODY:
                 raise self.document.wrong(
@@ -220,7 +221,7 @@ class _Writer:
             )
         for number, joint in enumerate(joints, start=1):
             if number < len(joints):
-                # The first joint of a body is the first to move it: it carries the others.
+                # The first joint of a body is nearest to the parent: it carries the others.
                 body = _write_body(body, f"{name}:{number}", placement)
                 _write_inertia(body, pin.Inertia.Zero())
                 self._joint(joint, body, name, placement)
@@ -291,9 +292,9 @@ class _Writer:
     def _range(
         self, element: ElementTree.Element, attribute: str, switch: str
     ) -> tuple[float, float]:
-        """Return a range that counts if its switch is on.
+        """Return a range; it is infinite if its switch is off.
 
-        It is by itself where there is one (``autolimits``).
+        With ``autolimits`` the switch is on if the range is given.
         """
         ends, state = self.document.numbers(element, attribute, 2), element.get(switch, "auto")
         automatic = ends is not None and ends.any()
@@ -329,9 +330,9 @@ class _Writer:
             self.sites[name] = owner, self.document.placement(element) if ends is None else ends[0]
 
     def _shape(self, geom: ElementTree.Element, body: ElementTree.Element) -> None:
-        """Write a geom for drawing.
+        """Write a geom that is drawn.
 
-        Those that are not finite, or for collisions only, are left out.
+        Infinite geoms, and those for collisions only, are left out.
         """
         kind = geom.get("type", "sphere")
         if kind not in ("plane", "hfield", "sdf", "mesh", *SIZES):
@@ -349,7 +350,7 @@ class _Writer:
             plain.set("mesh", geom.attrib["mesh"])
             placement = self.document.placement(geom)
         elif geom.get("mesh") is not None:
-            # A primitive that MuJoCo fits to a mesh.
+            # MuJoCo fits this primitive shape to a mesh.
             return
         else:
             placement, sizes = placed(self.document, geom, kind)
@@ -364,7 +365,7 @@ class _Writer:
         return (0.5, 0.5, 0.5, 1.0) if color is None else color
 
     def _is_drawn(self, name: str) -> bool:
-        """Tell whether a mesh can be read, and keep it for drawing if so."""
+        """Return whether a mesh can be read, and if so, store it for drawing."""
         element = self.assets.get(name)
         if name in self.meshes or element is None:
             return name in self.meshes

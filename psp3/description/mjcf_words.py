@@ -1,7 +1,7 @@
-"""Words of MJCF, the format of MuJoCo: attributes and elements of what is read here.
+"""Attributes and elements of MJCF, the format of MuJoCo, in the sections that are read.
 
-From the schema of MuJoCo 4.0.0 (``mj_printSchema``). What it does not list is misspelled, or newer:
-no reader looks for it, so that is told.
+They are from the schema of MuJoCo 4.0.0 (``mj_printSchema``). A word that is not listed is
+misspelled or newer. It would have no effect, so it is logged as a warning.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ SECTIONS = frozenset(
         "worldbody",
     }
 )
-"""What a file may hold."""
+"""The sections that a file may hold."""
 
 FREE = frozenset({"visual", "statistic", "sensor", "custom", "extension", "contact", "deformable"})
-"""Sections that say nothing of the mechanism; they are not looked into."""
+"""Sections that do not describe the mechanism; their words are not checked."""
 
 ATTRIBUTES = {
     tag: frozenset(names.split())
@@ -174,7 +174,7 @@ ATTRIBUTES = {
         ),
     }.items()
 }
-"""Attributes of elements whose attributes are read; those of one name are taken together."""
+"""Allowed attributes by element; elements that share a name share one set."""
 
 HOLDERS = {
     tag: frozenset(names.split())
@@ -197,11 +197,11 @@ HOLDERS = {
         "option": "flag include",
     }.items()
 }
-"""What sections and elements of some names may hold."""
+"""Allowed children of some sections and elements."""
 
 
 def unknown_words(root: ElementTree.Element) -> Iterator[str]:
-    """Yield what is no word of the format, as a warning says it."""
+    """Yield a description of each word that the format does not have, for a warning."""
     for section in root:
         if section.tag not in SECTIONS:
             yield f"the section {described(section)}"
@@ -216,7 +216,7 @@ def _unknown_in(element: ElementTree.Element) -> Iterator[str]:
             if name not in known:
                 yield f"attribute {name!r} of {described(element)}"
     for child in element:
-        # The defaults of loops and tendons are elements of the sections' names.
+        # In <default>, <equality> and <tendon> are elements without children, not sections.
         if held is not None and len(element) and child.tag not in held:
             yield f"{described(child)} in {described(element)}"
         else:

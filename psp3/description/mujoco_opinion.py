@@ -1,7 +1,7 @@
 """Compare how MuJoCo reads an MJCF file with how this package reads it.
 
-It compiles the file itself. What both must agree on are masses and inertias of everything that
-moves by itself, and where bodies and sites are.
+MuJoCo compiles the file itself. Both readers must agree on the mass and inertia of everything that
+moves independently, and on the places of bodies and sites.
 """
 
 from __future__ import annotations
@@ -19,30 +19,30 @@ from psp3.description.mjcf_tree import MjcfJoint, plain_mjcf
 from psp3.errors import MissingPackage
 
 AGREEMENT = 1e-6
-"""Two numbers agree that differ by at most this share of the larger one, or of the robot's size.
-Rounding of both readers is below 1e-12, but MuJoCo holds the vertices of meshes in single
+"""Two numbers agree if they differ by at most this share of the larger one, or of the robot's size.
+Rounding errors of both readers are below 1e-12, but MuJoCo stores mesh vertices in single
 precision.
 """
 
 
 class Disagreement(NamedTuple):
-    """What two readers of one file say differently."""
+    """A quantity that the two readers of a file give differently."""
 
     what: str
     """``file``, ``mass``, ``center of mass``, ``inertia`` or ``place``."""
     name: str
-    """Of the body or site."""
+    """Name of the body or site."""
     ours: Any
-    """What is read here, in the axes of the world."""
+    """The value that this package reads, in the axes of the world."""
     theirs: Any
-    """What MuJoCo compiles."""
+    """The value that MuJoCo compiles."""
 
     def __str__(self) -> str:
         return f"{self.what} of {self.name}: {self.ours} here, {self.theirs} by MuJoCo"
 
 
 def mujoco_disagreements(path: str | Path) -> list[Disagreement]:
-    """Compare an MJCF file as it is read here with what MuJoCo compiles.
+    """Compare an MJCF file as this package reads it with the model that MuJoCo compiles.
 
     Parameters
     ----------
@@ -52,12 +52,13 @@ def mujoco_disagreements(path: str | Path) -> list[Disagreement]:
     Returns
     -------
     list of Disagreement
-        Empty where both agree; one of ``file`` where MuJoCo refuses what is read here.
+        Empty if both agree; a single one of kind ``file`` if MuJoCo refuses a file that this
+        package reads.
 
     Raises
     ------
     InvalidRobotFile
-        If it cannot be read here.
+        If this package cannot read it.
     MissingPackage
         If MuJoCo is not installed.
     """
@@ -73,7 +74,7 @@ def mujoco_disagreements(path: str | Path) -> list[Disagreement]:
         return [Disagreement("file", str(path), "read", " ".join(str(error).split()))]
     data, ours = mujoco.MjData(engine), model.createData()
     found = []
-    # The reference pose, and one in which every joint has moved.
+    # Compare the reference pose, and a pose in which every joint has moved.
     for amount in (0.0, 0.3):
         velocity = amount * np.cos(np.arange(model.nv))
         q = pin.integrate(model, pin.neutral(model), velocity)
@@ -133,7 +134,7 @@ def _places(
 def _inertias(
     bodies: tuple[str, ...], model: pin.Model, ours: Any, engine: Any, data: Any
 ) -> list[Disagreement]:
-    """Compare the sums of bodies that do not move against each other."""
+    """Compare the sums over bodies that do not move relative to each other."""
     total: dict[int, pin.Inertia] = {}
     for number in range(1, engine.nbody):
         own = pin.Inertia(
@@ -145,7 +146,7 @@ def _inertias(
     found = []
     for root, theirs in total.items():
         if root == 0 or engine.body_mocapid[root] >= 0:
-            # What stands still needs no inertia, and has none here.
+            # Fixed bodies need no inertia, and this package gives them none.
             continue
         name = bodies[root]
         joint = model.frames[model.getFrameId(name, pin.FrameType.BODY)].parentJoint

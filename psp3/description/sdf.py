@@ -1,6 +1,6 @@
 """Robots from SDF files, the format of Gazebo.
 
-Links, joints that join them in any way, and so loops.
+In this format joints may connect links in any way, so they may close loops.
 """
 
 from __future__ import annotations
@@ -24,7 +24,9 @@ from psp3.description.xml import described
 from psp3.multibody.equations import Coupling
 
 PARALLEL = 0.99
-"""Cosine from which on axes of a gearbox and its joints are parallel: poses are often rounded."""
+"""Axes of a gearbox and its joints with at least this cosine are parallel, because poses are
+rounded.
+"""
 
 
 def read_sdf(
@@ -32,26 +34,26 @@ def read_sdf(
 ) -> RobotParts:
     """Read a robot from an SDF file, version 1.4 or later.
 
-    Links, joints, frames and nested or included models have the places that the file gives them,
-    which is the pose where all coordinates are zero. A link that two joints carry closes a loop,
-    and so does any joint between links that others join already; see
-    :mod:`psp3.description.sdf_tree`. Joints of type ``gearbox``, and axes with ``<mimic>``, couple
-    two coordinates. A universal joint ``j`` is two revolutes, ``j_axis`` and ``j_axis2``. A model
-    that no joint holds to the world floats on a free joint ``root_joint``. Names in nested models
-    are ``model::name``; of a world, the names of its only model that is not static stand alone.
+    The file gives the placements of links, joints, frames and nested or included models; in this
+    pose all coordinates are zero. A joint closes a loop if other joints already connect its two
+    links; see :mod:`psp3.description.sdf_tree`. Joints of type ``gearbox``, and axes with
+    ``<mimic>``, couple two coordinates. A universal joint ``j`` becomes two revolutes, ``j_axis``
+    and ``j_axis2``. A model that no joint connects to the world floats on a free joint
+    ``root_joint``. Names in nested models are ``model::name``. If a world has a single model that
+    is not static, the names in that model have no prefix.
 
-    What the equation of motion does not know (springs of balls, drag, wind, added mass of fluids,
-    links without gravity) is logged as a warning, and so are links that give no inertia.
+    Effects that the equation of motion does not contain (springs of balls, drag, wind, added mass
+    of fluids, links without gravity) are logged as a warning, and so are links without an inertia.
 
     Parameters
     ----------
     path : path
         The file.
     actuated : sequence of str
-        Names of the actuated joints; an SDF names none itself.
+        Names of the actuated joints, which an SDF file does not state.
     model_paths : sequence of path, optional
-        Folders, beside that of the file, from which models may be included; ``model://name`` is
-        looked for in all of them.
+        Folders from which models may be included, in addition to the folder of the file;
+        ``model://name`` is searched in all of them.
 
     Returns
     -------
@@ -61,8 +63,8 @@ def read_sdf(
     Raises
     ------
     InvalidRobotFile
-        If the file, or one that it includes, is missing or malformed, or holds what cannot be read
-        without changing the robot.
+        If the file, or one that it includes, is missing or malformed, or holds elements that cannot
+        be read without changing the robot.
     """
     path = Path(path)
     document = SdfDocument(path, (path.resolve().parent, *map(Path, model_paths)))
@@ -75,7 +77,8 @@ def read_sdf(
     if actuated is None:
         known = [name for joint in joints for name in _driven(joint)]
         raise document.wrong(
-            "names no motors, as no SDF does: say which joints are actuated (actuated=[...]), of "
+            "names no motors, as SDF has no word for them: say which joints are actuated "
+            "(actuated=[...]), of "
             f"{', '.join(known[:20]) or 'none'}{' and others' if len(known) > 20 else ''}"
         )
     names = tuple(actuated)
@@ -121,7 +124,7 @@ def _driven(joint: Joint) -> list[str]:
 
 
 def _described(document: SdfDocument) -> Reader:
-    """Return what a file describes: a world, or a model alone."""
+    """Return the contents of a file: a world, or a single model."""
     reader = Reader()
     worlds, models = document.root.findall("world"), document.root.findall("model")
     if len(worlds) + len(models) != 1:
@@ -147,11 +150,11 @@ def _described(document: SdfDocument) -> Reader:
 
 
 def _gravity(document: SdfDocument) -> Array:
-    """Return the gravity of a world; of a model alone that of the other formats."""
+    """Return the gravity of a world; for a single model, the default of the other formats."""
     world = document.root.find("world")
     if world is None:
         return np.array([0.0, 0.0, -9.81])
-    # Until 1.5 it was part of the physics.
+    # Until version 1.5 gravity was an element of <physics>.
     places = [world] if document.version > 5 else [world, *world.findall("physics")]
     for place in places:
         given = document.numbers(place, "gravity", 3)
@@ -163,13 +166,13 @@ def _gravity(document: SdfDocument) -> Array:
 # Couplings
 
 Pair = tuple[str, str, str, tuple[float, ...]]
-"""A coupling: its name, the coordinate that follows, the one that leads, and the polynomial."""
+"""A coupling: its name, the following coordinate, the leading coordinate, and the polynomial."""
 
 
 def _gears(reader: Reader, joints: Sequence[Joint]) -> list[Pair]:
     """Return the gearboxes, θ₂ = −ratio θ₁.
 
-    The angles are those of the reference body's joints with the parent and the child.
+    The angles are those of the joints between the reference body and the parent or child.
     """
     pairs: list[Pair] = []
     for gear in joints:
@@ -193,7 +196,7 @@ def _gears(reader: Reader, joints: Sequence[Joint]) -> list[Pair]:
 def _turn(
     reader: Reader, joints: Sequence[Joint], gear: Joint, number: int, body: Frame | None
 ) -> tuple[str, float]:
-    """Return the joint of a gearbox's parent or child with its reference body, and its sign."""
+    """Return the joint between a gearbox's parent or child and its reference body, and its sign."""
     link = (gear.parent, gear.child)[number]
     axis = reader.placement(gear.frame).rotation @ gear.axes[number].direction
     for joint in joints:
@@ -234,7 +237,7 @@ def _mimics(joints: Sequence[Joint]) -> list[Pair]:
             if not names or number >= len(names[0]) or names[0][number] == axis.name:
                 raise document.wrong(
                     f"{title}: <mimic> follows {axis.mimic.get('axis', 'axis')!r} of "
-                    f"{leader.name!r}, which is no other axis of a joint that has one"
+                    f"{leader.name!r}, which is not another axis of a joint"
                 )
             multiplier, offset, reference = (
                 document.number(axis.mimic, tag, default)

@@ -1,7 +1,7 @@
-"""An SDF file: read as strictly as its format allows, with its numbers, poses and included files.
+"""Read an SDF file as strictly as its format allows, with its numbers, poses and included files.
 
-The specification (sdformat.org) says what each element means; what changed between its versions is
-said where it is read.
+The specification (sdformat.org) says what each element means. Comments in the code that reads an
+element say what changed between the versions.
 """
 
 from __future__ import annotations
@@ -25,20 +25,20 @@ OLDEST = 4
 """The oldest version that is read is 1.4."""
 
 INFINITE = re.compile(r"[+-]?inf(?:inity)?", re.IGNORECASE)
-"""What else a limit may be."""
+"""How an infinite limit may be written."""
 
 PASSED_OVER = {b"<!--": b"-->", b"<![CDATA[": b"]]>"}
-"""Begin and end of comments, and of literal text, in which what looks like one is none.
+"""Begin and end of comments, and of literal text, in which a comment mark has no meaning.
 
-The parser of SDFormat's library ends a comment at the first ``-->`` and takes ``--`` within it, as
-drawings in comments have it; strict XML does not.
+The parser of SDFormat's library allows ``--`` within a comment, which strict XML does not. Comments
+with drawings contain it.
 """
 
 MOST_FILES = 200
-"""So many files may be included, each counted as often as it is."""
+"""The largest number of included files. A file that is included several times counts each time."""
 
 WRITE_OUT = "let SDFormat's own tool write it out (gz sdf --print FILE) and read that"
-"""What to do about elements that stand for others."""
+"""What an error message advises for elements that a tool expands."""
 
 
 class SdfDocument:
@@ -49,8 +49,7 @@ class SdfDocument:
     path : path
         The file.
     roots : sequence of path
-        Folders from which it may include other files; those of ``model://`` are looked for in
-        them.
+        Folders from which it may include other files; ``model://`` addresses are searched in them.
     included_by : SdfDocument, optional
         The file that includes it.
 
@@ -59,20 +58,21 @@ class SdfDocument:
     root : Element
         The element ``<sdf>``.
     version : int
-        The second part of its version: 6 of 1.6.
+        The second part of its version: 6 for version 1.6.
 
     Raises
     ------
     InvalidRobotFile
-        If it is missing, is no SDF, or is older than version 1.4, or too many are included.
+        If it is missing, is not an SDF or is older than version 1.4, or if too many files are
+        included.
     """
 
     def __init__(
         self, path: str | Path, roots: Sequence[Path], included_by: SdfDocument | None = None
     ) -> None:
         self.path, self.roots = Path(path), tuple(roots)
-        # Of all files of a robot together: a file that is included ten times by one that is
-        # included ten times is read a hundred times.
+        # Counted over all files of a robot, because a file that is included ten times by a file
+        # that is included ten times is read a hundred times.
         self._read: list[Path] = [] if included_by is None else included_by._read
         self._read.append(self.path)
         if len(self._read) > MOST_FILES:
@@ -92,11 +92,11 @@ class SdfDocument:
         self.version = int(found[1])
 
     def wrong(self, reason: str) -> InvalidRobotFile:
-        """Return the error that says what is wrong with this file."""
+        """Return the error for a reason, with the path of this file."""
         return InvalidRobotFile(self.path, reason)
 
     def titled(self, element: ElementTree.Element) -> str:
-        """Return what to call an element: what has a name around it, and its own tag."""
+        """Return how messages name an element: the nearest named element around it, and its tag."""
         above = {child: parent for parent in self.root.iter() for child in parent}
         owner = element
         while owner.get("name") is None and owner in above:
@@ -107,7 +107,7 @@ class SdfDocument:
     # What an element holds
 
     def text(self, element: ElementTree.Element, tag: str) -> str | None:
-        """Return the text of the one child of a tag without blanks around it, None without it."""
+        """Return the stripped text of the only child with a tag; None if there is no such child."""
         children = element.findall(tag)
         if len(children) > 1:
             raise self.wrong(f"{self.titled(element)} has {len(children)} of <{tag}>")
@@ -123,7 +123,7 @@ class SdfDocument:
     def numbers(
         self, element: ElementTree.Element, tag: str, *counts: int, infinite: bool = False
     ) -> Array | None:
-        """Return the numbers in the one child of a tag; None without it."""
+        """Return the numbers in the only child with a tag; None if there is none."""
         text = self.text(element, tag)
         return None if text is None else self._numbers(element, tag, text, counts, infinite)
 
@@ -161,7 +161,7 @@ class SdfDocument:
         *,
         infinite: bool = False,
     ) -> float:
-        """Return the one number of a child."""
+        """Return the single number in a child."""
         value = self.numbers(element, tag, 1, infinite=infinite)
         return default if value is None else float(value[0])
 
@@ -182,13 +182,13 @@ class SdfDocument:
         return text.lower() in ("true", "1")
 
     def pose(self, element: ElementTree.Element) -> tuple[pin.SE3, str]:
-        """Return the pose of an element, and the name of the frame that it is relative to."""
+        """Return the pose of an element, and the name of the frame to which it is relative."""
         text = self.text(element, "pose")
         if text is None:
             return pin.SE3.Identity(), ""
         pose = element.find("pose")
         assert pose is not None
-        # Before 1.7 the frame had another name, and seldom one of effect.
+        # Before version 1.7 the attribute had another name, and seldom had an effect.
         relative_to = pose.get("relative_to" if self.version >= 7 else "frame", "")
         if not text:
             return pin.SE3.Identity(), relative_to
@@ -197,7 +197,7 @@ class SdfDocument:
             values = self._numbers(element, "pose", text, (7,))
             length = float(np.linalg.norm(values[3:]))
             if not 1e-6 < length < 1e6:
-                raise self.wrong(f"{self.titled(element)}: <pose> has a quaternion of no direction")
+                raise self.wrong(f"{self.titled(element)}: <pose> has a quaternion of zeros")
             return pin.SE3(pin.Quaternion(values[3:] / length), values[:3]), relative_to
         if form != "euler_rpy":
             raise self.wrong(f"{self.titled(element)}: <pose> has the unknown format {form!r}")
@@ -213,7 +213,7 @@ class SdfDocument:
         Raises
         ------
         InvalidRobotFile
-            If it lies outside the folders that may be read from, is missing or holds not one model.
+            If it lies outside the allowed folders, is missing or does not hold exactly one model.
         """
         uri = self.text(element, "uri")
         if not uri:
@@ -275,9 +275,9 @@ class SdfDocument:
 def _parsed(path: Path) -> ElementTree.Element:
     """Return the outermost element of an XML file.
 
-    Names with a prefix (``drake:joint``) stay as they are written, declared or not, and what is not
-    well-formed but in comments is passed over, as the library of SDFormat does. A document type
-    declaration is refused: what it declares, one parser replaces and another drops.
+    Names with a prefix (``drake:joint``) stay as they are written, whether the prefix is declared
+    or not. Comments need not be well-formed, as in SDFormat's library. A document type declaration
+    is refused, because some parsers expand its entities and others drop them.
     """
     if not path.is_file():
         raise InvalidRobotFile(path, "no such file")
@@ -299,7 +299,7 @@ def _parsed(path: Path) -> ElementTree.Element:
 
 
 def _without_comments(content: bytes) -> bytes:
-    """Return a file without its comments, but for their line breaks."""
+    """Return a file without its comments, but with their line breaks, to keep line numbers."""
     parts, at = [], 0
     for found in re.finditer(b"<!--|<!\\[CDATA\\[", content):
         if found.start() < at:

@@ -1,8 +1,9 @@
-"""Names and poses of an SDF file.
+"""Resolve the names and poses of an SDF file.
 
 Every model and world is a scope of names: its links, joints, frames and nested models, and
-``__model__`` or ``world``. A pose is relative to one of them, and each of them stands on a link. So
-all of them are looked up here, and placed in the world where the file has them.
+``__model__`` or ``world``. A pose is relative to one of these frames, and each frame is attached to
+a link. This module finds frames by name and computes their placements in the world, in the pose of
+the file.
 """
 
 from __future__ import annotations
@@ -17,33 +18,33 @@ from psp3.description.sdf_document import SdfDocument
 from psp3.description.xml import described
 
 MODEL = "__model__"
-"""The frame of the model around, by the name that the format gives it."""
+"""The format's name for the frame of the model around an element."""
 
 DEEPEST_MODEL = 30
-"""Models nested, or included, deeper than this are refused."""
+"""The deepest nesting of models, and of included models, that is read."""
 
 
 class Frame(NamedTuple):
-    """A link, joint, frame or model: what has a name and a pose."""
+    """A link, joint, frame or model: everything that has a name and a pose."""
 
     scope: Scope
-    """Where its name is known."""
+    """The scope that holds its name."""
     name: str
-    """Its name there."""
+    """Its name in the scope."""
     kind: str
     """``link``, ``joint``, ``frame``, ``model`` or ``world``."""
     element: ElementTree.Element
-    """Where it is described."""
+    """The element that describes it."""
     document: SdfDocument
-    """The file in which that is."""
+    """The file of the element."""
     pose: pin.SE3
     """Its pose in the frame of ``relative_to``."""
     relative_to: str
-    """A name of the scope."""
+    """A name in the scope."""
     attached_to: str
-    """What it moves with, a name of the scope; its own where it is a link."""
+    """The name in the scope of what it moves with; its own name if it is a link."""
     model: str
-    """The name in the scope of what ``__model__`` is in the element."""
+    """The name in the scope of the frame that the element calls ``__model__``."""
 
     @property
     def full_name(self) -> str:
@@ -57,14 +58,14 @@ class Scope:
     Parameters
     ----------
     prefix : str
-        What precedes its names in the robot.
+        Prefix of its names in the robot.
     outer : Scope, optional
-        The one around.
+        The scope around it.
 
     Attributes
     ----------
     frames : dict of str to Frame
-        What it names.
+        Its frames by name.
     inner : dict of str to Scope
         Nested models.
     is_static : bool
@@ -84,7 +85,7 @@ class Scope:
         return MODEL if MODEL in self.frames else "world"
 
     def find(self, name: str, user: Frame) -> Frame:
-        """Return the frame of a name that is used in an element."""
+        """Return the frame with a name, as an element uses it."""
         name = user.model if name == MODEL else name
         if name in self.frames:
             return self.frames[name]
@@ -104,12 +105,12 @@ class Scope:
 
     @property
     def title(self) -> str:
-        """What to call it in an error message."""
+        """Its name in an error message."""
         return f"model {self.prefix[:-2]!r}" if self.prefix else "the model"
 
 
 class Described(NamedTuple):
-    """What a file describes, in its order, before anything is made of it."""
+    """The contents of a file, in its order, before the tree is built."""
 
     links: list[Frame]
     joints: list[Frame]
@@ -128,7 +129,7 @@ class Reader:
     # Reading
 
     def world(self, element: ElementTree.Element, document: SdfDocument, bare: str) -> None:
-        """Read a world, of which the names of one model stand without its own."""
+        """Read a world; the names in one of its models get no prefix."""
         scope = Scope("")
         identity = pin.SE3.Identity()
         scope.frames["world"] = Frame(
@@ -147,7 +148,7 @@ class Reader:
         bare: str = "",
         model: str = "",
     ) -> None:
-        """Read a model in the scope around it; of an included one, where and how it is put."""
+        """Read a model in the scope around it, or an included model with its placement."""
         if depth > DEEPEST_MODEL:
             raise document.wrong(
                 f"{described(element)} is nested deeper than {DEEPEST_MODEL} models"
@@ -184,7 +185,7 @@ class Reader:
         model: str,
         depth: int,
     ) -> None:
-        """Read an included model whose names become those of the scope around."""
+        """Read an included model whose names are merged into the scope around it."""
         document, element = told.included(include)
         if depth > DEEPEST_MODEL:
             raise document.wrong(f"{described(element)} is included deeper than {DEEPEST_MODEL}")
@@ -231,7 +232,7 @@ class Reader:
         depth: int,
         bare: str = "",
     ) -> None:
-        """Read what a model or world holds."""
+        """Read the contents of a model or world."""
         for item in element:
             if item.tag == "model":
                 self.model(item, document, scope, depth + 1, bare=bare, model=model)
@@ -249,7 +250,7 @@ class Reader:
         self, scope: Scope, item: ElementTree.Element, document: SdfDocument, model: str
     ) -> None:
         if item.tag == "frame" and document.version < 7:
-            # Frames had no meaning yet.
+            # Frames had no meaning before this version.
             return
         if item.tag == "link" and scope.own == "world":
             raise document.wrong(f"{described(item)} is in the <world>: put it in a <model>")
@@ -283,13 +284,13 @@ class Reader:
                 f"{described(frame.element)}"
             )
         elif frame.kind == "link":
-            # A joint could share the name of a link, which is what poses name then.
+            # A joint could have the name of a link. Poses then refer to the link.
             scope.frames[frame.name] = frame
 
-    # Where things are
+    # Placements
 
     def placement(self, frame: Frame, users: Sequence[Frame] = ()) -> pin.SE3:
-        """Return where a frame is in the world, where the file has it."""
+        """Return the placement of a frame in the world, in the pose of the file."""
         key = id(frame.scope), frame.kind + frame.name
         if key in self._placements:
             return self._placements[key]
@@ -313,14 +314,14 @@ class Reader:
         return place
 
     def _of_model(self, frame: Frame, outer: Scope, users: Sequence[Frame]) -> pin.SE3:
-        """Return where a model's own frame is, or its placement frame instead has the pose."""
+        """Return the placement of a model's own frame, which a placement frame may determine."""
         scope = frame.scope
         as_outer = outer.frames[frame.attached_to]
         base = outer.find(frame.relative_to or as_outer.model, as_outer)
         place = self.placement(base, users) * frame.pose
         if not scope.placement_frame:
             return place
-        # Where the frame is in the model does not depend on where the model is.
+        # The placement frame's place in the model does not depend on the place of the model.
         at, inside = scope.find(scope.placement_frame, frame), pin.SE3.Identity()
         for _ in range(len(users) + sum(map(len, _all_frames(scope)))):
             if at is frame:
@@ -338,7 +339,7 @@ class Reader:
         )
 
     def link(self, frame: Frame, users: Sequence[Frame] = ()) -> Frame | None:
-        """Return the link that a frame moves with, None for the world."""
+        """Return the link that a frame moves with; None for the world."""
         key = id(frame.scope), frame.kind + frame.name
         if key in self._bodies:
             return self._bodies[key]
@@ -360,7 +361,7 @@ class Reader:
         return body
 
     def _canonical(self, scope: Scope, users: Sequence[Frame]) -> Frame | None:
-        """Return the link that a model's own frame moves with: the first, if it names none."""
+        """Return the link that a model's own frame moves with; by default the first."""
         own = scope.frames[MODEL]
         name = own.element.get("canonical_link", "")
         if name:
@@ -374,5 +375,5 @@ class Reader:
 
 
 def _all_frames(scope: Scope) -> list[dict[str, Frame]]:
-    """Return the frames of a scope and of all in it."""
+    """Return the frames of a scope and of all scopes in it."""
     return [scope.frames, *(f for inner in scope.inner.values() for f in _all_frames(inner))]

@@ -1,4 +1,4 @@
-"""The joints of an SDF file: what each lets move, and the numbers of its axes."""
+"""Read the joints of an SDF file: their types and the numbers of their axes."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ AXES = {
     "ball": 0,
     "fixed": 0,
 }
-"""Types of joint, and how many axes each needs."""
+"""Joint types, and how many axes each needs."""
 
 UNLIMITED = 1e16
-"""From here on a limit is none; until version 1.9 it was the default."""
+"""A limit of at least this is no limit; until version 1.9 it was the default."""
 
 
 class Axis(NamedTuple):
@@ -36,9 +36,9 @@ class Axis(NamedTuple):
     name: str
     """The name of its coordinate in the robot."""
     direction: Array
-    """Its direction in the joint's frame where the file has it, (3,), of length 1."""
+    """Its direction in the joint's frame, in the pose of the file, (3,), of length 1."""
     limits: tuple[float, float]
-    """Of the coordinate [m or rad]."""
+    """Limits of the coordinate [m or rad]."""
     effort: float
     """Largest force or torque of a motor [N or N m]."""
     velocity: float
@@ -48,15 +48,15 @@ class Axis(NamedTuple):
     friction: float
     """Dry friction [N or N m]."""
     stiffness: float
-    """Of the spring [N/m or N m/rad]."""
+    """Stiffness of the spring [N/m or N m/rad]."""
     rest: float
-    """Where the spring is at rest [m or rad]."""
+    """The coordinate where the spring is at rest [m or rad]."""
     mimic: ElementTree.Element | None
-    """What its coordinate follows."""
+    """The element <mimic>, which names the coordinate that it follows."""
 
     @property
     def acts(self) -> bool:
-        """Whether more than geometry is said of it, which is lost where the joint is no joint."""
+        """Whether it has forces, limits or a coupling, which only a joint can hold."""
         forces = (self.damping, self.friction, self.stiffness)
         return any(forces) or any(map(math.isfinite, self.limits)) or self.mimic is not None
 
@@ -73,9 +73,9 @@ class Joint(NamedTuple):
     child: Frame | None
     """The link it carries."""
     axes: tuple[Axis, ...]
-    """Its axes, the parent's first; of a ball there may be one, for its damping alone."""
+    """Its axes, the parent's first; a ball may have one, for its damping only."""
     pitch: float
-    """What a screw moves along its axis while it turns [m/rad]."""
+    """Translation of a screw per rotation [m/rad]."""
 
     @property
     def name(self) -> str:
@@ -83,7 +83,7 @@ class Joint(NamedTuple):
         return self.frame.full_name
 
     def models(self) -> list[tuple[str, Any, Axis | None]]:
-        """Return its coordinates, the parent's first: name, Pinocchio's joint and axis."""
+        """Return its coordinates, the parent's first: name, Pinocchio's joint model and axis."""
         if self.kind == "ball":
             return [(self.name, pin.JointModelSpherical(), self.axes[0] if self.axes else None)]
         made: list[tuple[str, Any, Axis | None]] = []
@@ -104,8 +104,8 @@ def read_joint(reader: Reader, frame: Frame) -> Joint:
     Raises
     ------
     InvalidRobotFile
-        If its type is unknown, its links are not in the file or the same, an axis is missing or
-        zero, or a number cannot be.
+        If its type is unknown, its links are missing or the same, an axis is missing or zero, or a
+        number is out of range.
     """
     element, document = frame.element, frame.document
     kind = (element.get("type") or "").strip().lower()
@@ -140,7 +140,7 @@ def _pitch(frame: Frame, kind: str) -> float:
     if kind != "screw":
         return 0.0
     element, document = frame.element, frame.document
-    # The newer word is a length a turn, the older one radians a meter of a left-handed thread.
+    # The new element is a length per turn, the old one radians per meter of a left-handed thread.
     turns = document.numbers(element, "screw_thread_pitch", 1)
     old = document.numbers(element, "thread_pitch", 1)
     if turns is not None:
@@ -189,7 +189,7 @@ def _axis(reader: Reader, frame: Frame, kind: str, tag: str, is_one_of_two: bool
         f"{frame.full_name}_{tag}" if is_one_of_two else frame.full_name,
         _direction(reader, frame, element),
         (lower, upper),
-        # A negative limit of a force or speed means that there is none.
+        # A negative limit of a force or speed means that there is no limit.
         effort if effort >= 0.0 else math.inf,
         velocity if velocity >= 0.0 else math.inf,
         damping,
@@ -201,7 +201,7 @@ def _axis(reader: Reader, frame: Frame, kind: str, tag: str, is_one_of_two: bool
 
 
 def _only(frame: Frame, element: ElementTree.Element, tag: str) -> ElementTree.Element | None:
-    """Return the one child of a tag, None without it."""
+    """Return the only child with a tag; None if there is none."""
     found = element.findall(tag)
     if len(found) > 1:
         raise frame.document.wrong(f"{described(frame.element)} has {len(found)} of <{tag}>")
@@ -221,7 +221,7 @@ def _direction(reader: Reader, frame: Frame, axis: ElementTree.Element) -> Array
     if document.version >= 7:
         name = "" if xyz is None else xyz.get("expressed_in", "")
     else:
-        # In 1.4 every axis was in the frame of the model.
+        # In version 1.4 every axis was given in the frame of the model.
         in_model = document.is_true(axis, "use_parent_model_frame", document.version == 4)
         name = frame.model if in_model else ""
     direction = np.asarray(vector / length)

@@ -1,4 +1,4 @@
-"""What the links of an SDF file look like."""
+"""The shapes of the links of an SDF file."""
 
 from __future__ import annotations
 
@@ -26,22 +26,22 @@ SIZES = {
     "ellipsoid": (("radii", 3),),
     "cone": (("radius", 1), ("length", 1)),
 }
-"""Shapes that are drawn, and the numbers that each needs."""
+"""Shapes that are drawn, and the number elements that each needs."""
 
 GRAY = np.array([0.5, 0.5, 0.5, 1.0])
-"""The color of a shape that gives none."""
+"""The default color of a shape."""
 
 
 def shapes(tree: Tree) -> Any:
     """Return the shapes of all links, as a Pinocchio geometry model.
 
-    Planes, height maps and images are not drawn. Meshes that cannot be read are left out, which is
+    Planes, height maps and images are not drawn. Meshes that cannot be read are left out and
     logged.
 
     Raises
     ------
     InvalidRobotFile
-        If a number of a shape is none, or not positive.
+        If a number of a shape is malformed or not positive.
     """
     drawn = pin.GeometryModel()
     unreadable: dict[str, str] = {}
@@ -146,7 +146,7 @@ def _mesh(
 
 
 def _color(link: Frame, visual: ElementTree.Element) -> Array:
-    """Return the color of a shape, its diffuse one first."""
+    """Return the color of a shape, preferably the diffuse one."""
     material = visual.find("material")
     if material is None:
         return GRAY

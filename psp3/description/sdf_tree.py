@@ -1,13 +1,17 @@
-"""The tree in the graph of an SDF file, and the loops that are left.
+"""Build a tree from the graph of an SDF file, and close the remaining loops.
 
-Joints of an SDF join links in any way, and where the file has them all loops are closed. Links that
-are welded become one body. Of the joints, a spanning tree is taken: first those of which more than
-geometry is said (limits, damping, friction, springs, motors, couplings) or that no constraint model
-stands for (prismatic, screw, universal), and of both kinds those first whose child hangs on no
-joint before them. What is left over closes loops: a revolute as a hinge, a ball as a point, and
-any other, or one with forces of its own, stays a joint, which carries a copy of its child without
-mass, welded to the child. A part that no joint holds to the world floats, on the link that the file
-has first.
+Joints of an SDF file may connect links in any way, and all loops are closed in the pose of the
+file. Links that are welded become one body.
+
+A spanning tree is selected from the joints. Two kinds of joints come first: those with more than
+geometry (limits, damping, friction, springs, motors, couplings), and those without a constraint
+model (prismatic, screw, universal). Among equals, joints come first if no earlier joint has the
+same child.
+
+The other joints close loops. A revolute becomes a hinge closure and a ball a point closure. Any
+other joint, and any joint with forces of its own, remains a joint; it carries a massless copy of
+its child, which is welded to the child. A part that no joint connects to the world floats, with the
+first link in the file as its base.
 """
 
 from __future__ import annotations
@@ -26,20 +30,20 @@ from psp3.description.xml import check_inertia, described
 from psp3.multibody.equations import Hinge
 
 LENGTH = 1.0
-"""Mass [kg] and moments [kg m²] of a link without inertial, by the format."""
+"""The format's default mass [kg] and moments [kg m²] of a link without <inertial>."""
 
 
 class Place(NamedTuple):
-    """Where a frame is in the tree."""
+    """The place of a frame in the tree."""
 
     joint: int
     """The joint that moves it."""
     placement: pin.SE3
-    """Its place there."""
+    """Its placement in that joint."""
 
 
 class Tree:
-    """A Pinocchio model made of links and joints.
+    """A Pinocchio model that is built from links and joints.
 
     Parameters
     ----------
@@ -61,7 +65,7 @@ class Tree:
     still : list of str
         Joints that cannot move, because their links are welded.
     unspecified : list of str
-        Links that move and say nothing of their inertia.
+        Links that move and have no <inertial>.
     """
 
     def __init__(self, reader: Reader, joints: Sequence[Joint], kept: Collection[str]) -> None:
@@ -93,7 +97,7 @@ class Tree:
         return 0 if link is None else self._bodies[link.full_name]
 
     def place(self, frame: Frame) -> Place:
-        """Return where a frame of the file is in the tree."""
+        """Return the place of a frame of the file in the tree."""
         link = self.reader.link(frame)
         joint = self._joint_of[self.body(link)]
         return Place(joint, self._origins[joint].actInv(self.reader.placement(frame)))
@@ -125,7 +129,7 @@ class Tree:
         return any(name in self.kept for name in (joint.name, *(a.name for a in joint.axes)))
 
     def _grow(self, joints: Sequence[Joint], doubled: Sequence[Joint]) -> None:
-        """Add all bodies, every chain to its end before the next one."""
+        """Add all bodies, finishing each chain before the next one."""
         of_body: dict[int, list[Joint]] = {}
         for joint in joints:
             for end in (joint.parent, joint.child):
@@ -146,7 +150,7 @@ class Tree:
             self._branch(body, of_body)
 
     def _bases(self, joints: Sequence[Joint]) -> list[Frame]:
-        """Return links on which a part may float, those of the first one that has a motor first."""
+        """Return possible floating bases; those of the first part with a motor come first."""
         links = [self.reader.link(model) for model in self.reader.found.models]
         bases = [link for link in (*links, *self.reader.found.links) if link is not None]
         group = list(range(max(self._bodies.values(), default=0) + 1))
@@ -158,10 +162,10 @@ class Tree:
         return sorted(bases, key=lambda link: _root(group, self.body(link)) not in first)
 
     def _float(self, link: Frame, *, is_first: bool) -> int:
-        """Add what lets a part float; return the number of its last joint.
+        """Add the joints that let a part float; return the number of the last one.
 
-        That is one joint for the first part, and six for any other: a robot has one floating base,
-        and of six joints each can be a coordinate, or be held.
+        The first part gets one free joint, because a robot has one floating base. Any other part
+        gets six joints, each of which can be a coordinate or be held.
         """
         where, prefix = self.reader.placement(link), f"{link.scope.prefix}root_joint"
         if self.model.existJointName(prefix) or self.model.existJointName(f"{prefix}_x"):
@@ -172,7 +176,7 @@ class Tree:
         number = 0
         for name, model in joints:
             if self.model.existJointName(name):
-                raise link.document.wrong(f"two joints of the robot would be {name!r}")
+                raise link.document.wrong(f"two joints of the robot would have the name {name!r}")
             place = self._origins[number].actInv(where)
             number = self.model.addJoint(number, model, place, name)
             self._origins.append(where)
@@ -197,12 +201,12 @@ class Tree:
             waiting += [(other, next_) for next_ in reversed(of_body[other]) if next_ is not joint]
 
     def _add_joint(self, joint: Joint, parent: int, *, is_forward: bool) -> int:
-        """Add a joint, seen from its parent or from its child; return its number."""
+        """Add a joint in its own or in the reverse direction; return its number."""
         where, chain = self.reader.placement(joint.frame), joint.models()
         for name, model, axis in chain if is_forward else reversed(chain):
             if self.model.existJointName(name):
                 raise joint.frame.document.wrong(
-                    f"{described(joint.frame.element)}: two joints of the robot would be {name!r}"
+                    f"{described(joint.frame.element)}: two joints would have the name {name!r}"
                 )
             if not is_forward:
                 model = _reversed(joint, axis, model)
@@ -233,7 +237,7 @@ class Tree:
         model.damping[velocities] = axis.damping
 
     def _add_body(self, body: int, number: int) -> None:
-        """Put the links of a body on a joint."""
+        """Attach the links of a body to a joint."""
         self._joint_of[body] = number
         above = (
             self.model.getFrameId(self.model.names[number], pin.FrameType.JOINT) if number else 0
@@ -279,7 +283,7 @@ class Tree:
     # Loops
 
     def _close(self, joint: Joint) -> None:
-        """Close a loop by a joint that is not in the tree."""
+        """Close a loop with a joint that is not in the tree."""
         where = self.reader.placement(joint.frame)
         ends = []
         for link in (joint.parent, joint.child):
@@ -300,7 +304,7 @@ class Tree:
             self.hinges.append(Hinge(joint.name, one, at * turn, two, there * turn))
 
     def _frames(self, joints: Sequence[Joint]) -> None:
-        """Name the frames of the file, and joints that are none in the tree, by frames."""
+        """Add frames for the frames of the file, and for joints that are not in the tree."""
         named = [*self.reader.found.frames, *(joint.frame for joint in joints)]
         for frame in named:
             if not self.model.existFrame(frame.full_name):
@@ -319,7 +323,7 @@ _SIX = (
     ("pitch", pin.JointModelRY),
     ("roll", pin.JointModelRX),
 )
-"""Joints that let a second part float."""
+"""The joints that let a second or later part float."""
 
 _ENTRIES = (
     (0, 0, "ixx"),
@@ -336,9 +340,9 @@ def _welded(reader: Reader, joints: Sequence[Joint]) -> dict[str, int]:
     number: dict[str, int] = {}
     for link in reader.found.links:
         if link.full_name in number:
-            raise link.document.wrong(f"two links of the robot would be {link.full_name!r}")
+            raise link.document.wrong(f"two links would have the name {link.full_name!r}")
         number[link.full_name] = len(number) + 1
-    # The world is 0.
+    # The world has number 0.
     group = list(range(len(number) + 1))
     for link in reader.found.links:
         if link.scope.is_static:
@@ -362,7 +366,7 @@ def _root(group: list[int], item: int) -> int:
 
 
 def _reversed(joint: Joint, axis: Axis | None, model: Any) -> Any:
-    """Return a joint as its child sees it, with the same coordinate."""
+    """Return a joint from child to parent, with the same coordinate."""
     if axis is None or joint.kind == "ball":
         return model
     back = joint._replace(axes=(axis._replace(direction=-axis.direction),))
@@ -370,7 +374,7 @@ def _reversed(joint: Joint, axis: Axis | None, model: Any) -> Any:
 
 
 def _rotation_to(direction: Any) -> Any:
-    """Return a rotation that takes z to a direction."""
+    """Return a rotation of z to a direction."""
     axis = np.cross([0.0, 0.0, 1.0], direction)
     sine = float(np.linalg.norm(axis))
     axis = axis / sine if sine > 1e-10 else np.array([1.0, 0.0, 0.0])

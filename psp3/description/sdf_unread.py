@@ -1,4 +1,4 @@
-"""Parts of an SDF file that are not read: a warning if the robot stays the same, else an error."""
+"""Parts of an SDF file that are not read: an error if they change the robot, else a warning."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from psp3.description.xml import described
 logger = logger_named(__name__)
 
 MECHANICAL = ("joint", "ball_constraint", "linear_bushing_rpy", "tendon_constraint", "link")
-"""Elements of other formats, after their prefix, without which the robot is another one."""
+"""Elements of other formats, without their prefix, that change the robot if they are left out."""
 
 MOST_NAMED = 10
-"""So many things are named in one warning."""
+"""The largest number of elements that one warning names."""
 
 Words = Mapping[str, frozenset[str]]
 
@@ -52,7 +52,7 @@ CHILDREN = _words(
     visual="geometry pose frame material cast_shadows laser_retro transparency visibility_flags "
     "meta plugin",
 )
-"""What the elements may hold by the format, read or not."""
+"""The children that the format allows in each element, whether they are read or not."""
 
 _LEAVES = (
     "pose mass uri name static gravity parent child xyz lower upper effort velocity damping "
@@ -77,7 +77,7 @@ ATTRIBUTES = _words(
     xyz="expressed_in",
     visual="name",
 )
-"""Attributes of the elements."""
+"""The attributes that the format allows in each element."""
 
 
 def refuse_extensions(reader: Reader) -> None:
@@ -87,13 +87,14 @@ def refuse_extensions(reader: Reader) -> None:
             prefix, is_foreign, tag = item.tag.partition(":")
             if is_foreign and tag in MECHANICAL:
                 raise model.document.wrong(
-                    f"{described(item)} is of {prefix}, not of SDF, and without it the robot would "
-                    "be another: write it as an SDF joint, or give it in Python (closures=[...])"
+                    f"{described(item)} is of {prefix}, not of SDF, and leaving it out would "
+                    "change the robot: write it as an SDF joint, or give it in Python "
+                    "(closures=[...])"
                 )
 
 
 def tell(document: SdfDocument, tree: Tree, joints: Sequence[Joint]) -> None:
-    """Log what is left out, and what the format makes of what is not there."""
+    """Log what is left out, and which default of the format replaces what is missing."""
     found = tree.reader.found
     ignored = [
         f"{what} of ball joint {joint.name}"
@@ -120,15 +121,13 @@ def _warn(document: SdfDocument, what: str, items: Sequence[str]) -> None:
 
 
 def _unknown(link: Frame) -> list[str]:
-    """Return what of a link the equation of motion does not know."""
+    """Return the properties of a link that the equation of motion does not contain."""
     document, element = link.document, link.element
     found = []
     if not document.is_true(element, "gravity", True):
         found.append("lack of gravity")
     if document.is_true(element, "kinematic"):
-        raise document.wrong(
-            f"{described(element)} is moved from outside (kinematic), which is not read"
-        )
+        raise document.wrong(f"{described(element)} is kinematic, which is not supported")
     if document.is_true(element, "enable_wind"):
         found.append("wind")
     decay = element.find("velocity_decay")
@@ -140,7 +139,7 @@ def _unknown(link: Frame) -> list[str]:
 
 
 def _foreign(roots: Sequence[ElementTree.Element]) -> list[str]:
-    """Return elements and attributes that the format does not know where they stand, once each."""
+    """Return elements and attributes that the format does not allow at their place, once each."""
     found = dict.fromkeys(what for root in roots for what in _strange(root))
     return list(found)
 
@@ -160,6 +159,6 @@ def _strange(root: ElementTree.Element) -> Iterator[str]:
         for child in element:
             if child.tag not in children:
                 yield f"<{child.tag[:60]}> in {described(element)[:80]}"
-            # Models are looked through on their own, with those of included files.
+            # Models are checked separately, together with those of included files.
             elif child.tag != "model":
                 waiting.append(child)

@@ -1,4 +1,4 @@
-"""What is read of an SRDF file: named poses, and pairs of links that may touch."""
+"""Read an SRDF file: named poses, and pairs of links that may touch."""
 
 from __future__ import annotations
 
@@ -24,22 +24,22 @@ KNOWN = frozenset(
         *("link_sphere_approximation", "joint_property"),
     }
 )
-"""Elements of an SRDF. Of these poses and excluded pairs matter here, the others to planners."""
+"""Elements of an SRDF. Only poses and excluded pairs are used; the others are for planners."""
 
 READ = {
     "group_state": frozenset({"name", "group"}),
     "disable_collisions": frozenset({"link1", "link2", "reason"}),
 }
-"""What is read, with its attributes."""
+"""The elements that are read, with their attributes."""
 
 
 def reference_poses(model: pin.Model, srdf: str | Path) -> dict[str, Array]:
     """Return the reference poses of an SRDF by name, (nq,) each.
 
-    Keep them in the model's ``referenceConfigurations``.
+    They are also stored in the model's ``referenceConfigurations``.
 
-    Joints that a pose does not name are at their neutral position. A joint of unlimited angle is
-    given by its angle, a ball joint by its quaternion (x, y, z, w).
+    Joints that a pose does not name are at their neutral position. The SRDF gives an angle for a
+    joint of unlimited angle, and a quaternion (x, y, z, w) for a ball joint.
 
     Raises
     ------
@@ -57,7 +57,7 @@ def reference_poses(model: pin.Model, srdf: str | Path) -> dict[str, Array]:
 
 
 def _outermost(path: Path) -> ElementTree.Element:
-    """Return the outermost element; a warning tells of what no SRDF has, or not in that place."""
+    """Return the outermost element; log elements that are not SRDF or are in the wrong place."""
     outermost = read_xml(path, "robot")
     unknown = [described(child) for child in outermost if child.tag not in KNOWN]
     for child in outermost:
@@ -95,16 +95,16 @@ def _pose(path: Path, state: ElementTree.Element, model: pin.Model) -> Array:
     if not pin.isNormalized(model, pose, 1e-6):
         raise InvalidRobotFile(
             path,
-            f"{described(state)}: the coordinates of a ball joint or a free body are no unit "
+            f"{described(state)}: the coordinates of a ball joint or a free body are not a unit "
             "quaternion",
         )
     return pose
 
 
 class Exclusion(NamedTuple):
-    """Two links whose collisions are not looked for, and why.
+    """Two links that are not checked for collisions, and why.
 
-    ``first`` and ``second`` are their names, ``reason`` is the SRDF's word for it.
+    ``first`` and ``second`` are their names, ``reason`` is the reason in the SRDF.
     """
 
     first: str

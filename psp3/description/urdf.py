@@ -1,6 +1,7 @@
-"""Robot description files.
+"""Read robots from URDF, SRDF and loop files.
 
-A tree from a URDF, reference poses from an SRDF, loops and motors from a loop file or from names.
+The tree is in the URDF and reference poses are in the SRDF. Loops and motors are in a loop file, or
+loops follow from the names of frames.
 """
 
 from __future__ import annotations
@@ -39,17 +40,17 @@ def read_robot(
     Parameters
     ----------
     urdf : path
-        The tree, with the frames that the loops join.
+        The URDF file, with the frames that the loops join.
     loops : path, optional
-        The loop file, in the keys of :mod:`psp3.description.loop_file`. Without one the loops are
-        those of :mod:`psp3.description.closing_frames`.
+        The loop file, see :mod:`psp3.description.loop_file`. Without one, the loops are those of
+        :mod:`psp3.description.closing_frames`.
     srdf : path, optional
         Reference poses; the pose ``home`` becomes ``q0``.
     actuated : sequence of str, optional
-        The motors; by default those of the loop file, or, of a tree without loops, all joints of
-        one degree of freedom that mimic no other.
+        The motors. The default is those of the loop file; for a tree without loops, all joints of
+        one degree of freedom that do not mimic another.
     closures : sequence of (str, str, str)
-        Loops that are added afterwards. They are not taken from names once more.
+        Additional loops. Names of their frames do not declare the same loops again.
 
     Returns
     -------
@@ -60,10 +61,10 @@ def read_robot(
     Raises
     ------
     InvalidRobotFile
-        If a file is missing or malformed, a frame or joint it names does not exist, or nothing in
-        it can move.
+        If a file is missing or malformed, names a frame or joint that does not exist, or has no
+        joint that can move.
     InvalidValue
-        If nothing says which joints of a robot with loops are its motors.
+        If the robot has loops and no motors are given.
     """
     path = Path(urdf)
     root = plain_urdf(path)
@@ -145,7 +146,7 @@ def _mimics(
             if index == 0 or model.joints[index].nq != 1:
                 raise InvalidRobotFile(
                     path,
-                    f"joint {follows!r} mimics {leads!r}, of which {name!r} is no joint of one "
+                    f"joint {follows!r} mimics {leads!r}, but {name!r} is not a joint of one "
                     "coordinate: make it revolute (without lower and upper it has no limits) or "
                     "prismatic",
                 )
@@ -163,10 +164,10 @@ def _mimics(
 def read_tree(urdf: str | Path) -> tuple[pin.Model, Any]:
     """Return the Pinocchio model and the visual model of a URDF.
 
-    A joint whose limits give neither ``lower`` nor ``upper`` has no position limits. (To the letter
-    of the format both would be 0 and the joint could not move; many exporters leave them out.)
-    Meshes are looked for beside the file and in the directories above it; those that cannot be read
-    are left out of the visual model. Both are logged as warnings.
+    A joint whose limits give neither ``lower`` nor ``upper`` has no position limits. (By the format
+    both would be 0 and the joint could not move, but many exporters leave them out.) Meshes are
+    searched beside the file and in the directories above it; those that cannot be read are left out
+    of the visual model. Both are logged as warnings.
 
     Raises
     ------
@@ -209,7 +210,7 @@ def _free_joints_without_limits(path: Path, root: ElementTree.Element, model: pi
 
 
 def _shapes_of_urdf(path: Path, root: ElementTree.Element, model: pin.Model) -> Any:
-    """Return the shapes of all links, but for meshes that cannot be read."""
+    """Return the shapes of all links, without meshes that cannot be read."""
     directories = [str(directory) for directory in path.resolve().parents]
 
     def build(element: ElementTree.Element) -> Any:
@@ -231,7 +232,7 @@ def _shapes_of_urdf(path: Path, root: ElementTree.Element, model: pin.Model) -> 
 
 
 def _drop_unopened_meshes(path: Path, root: ElementTree.Element) -> None:
-    """Take those visuals out of a URDF whose meshes are not to be opened."""
+    """Remove visuals from a URDF if their meshes must not be opened."""
     folders = path.resolve().parents
     reasons: dict[str, str] = {}
     for link in root.findall("link"):
@@ -255,7 +256,7 @@ def _tell_not_drawn(path: Path, reasons: Mapping[str, str]) -> None:
 def _drop_unreadable_meshes(
     path: Path, root: ElementTree.Element, build: Callable[[ElementTree.Element], Any]
 ) -> None:
-    """Take those visuals out of a URDF whose meshes are not to be had."""
+    """Remove visuals from a URDF if their meshes cannot be read."""
     bare = ElementTree.fromstring(ElementTree.tostring(root))
     for link in bare.iter("link"):
         for shape in (*link.findall("visual"), *link.findall("collision")):

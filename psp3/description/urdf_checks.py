@@ -1,10 +1,9 @@
-"""What a URDF must hold.
+"""Check a URDF before Pinocchio reads it.
 
-This is checked before Pinocchio gets it, because its parser passes over what it does not
-understand.
+Pinocchio's parser ignores what it does not understand, so mistakes would change the robot silently.
 
-To it, a link whose mass is not a number has no mass, a link with two parents has the last one, and
-an axis of zeros is an axis.
+It gives no mass to a link whose mass is not a number, keeps only the last parent of a link with
+two, and accepts an axis of zeros.
 """
 
 from __future__ import annotations
@@ -41,10 +40,10 @@ CHILDREN: Mapping[str, tuple[str, ...]] = {
     "material": ("color", "texture"),
     "joint": ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic"),
 }
-"""What is read of an element."""
+"""The children that are read of each element."""
 
 SEVERAL = ("link", "joint", "material", "visual", "collision")
-"""Elements of which there may be several in one."""
+"""Elements that may occur several times in one parent."""
 
 WORDS: Mapping[str, tuple[str, ...]] = {
     "robot": ("name",),
@@ -57,7 +56,7 @@ WORDS: Mapping[str, tuple[str, ...]] = {
     "material": ("name",),
     "texture": ("filename",),
 }
-"""Attributes that are no numbers."""
+"""Attributes that are texts."""
 
 PASSED_OVER = (
     "calibration",
@@ -70,13 +69,13 @@ PASSED_OVER = (
     "ros2_control",
     "verbose",
 )
-"""Elements for other programs, which say nothing of the motion."""
+"""Elements for other programs, which do not affect the motion."""
 
 LARGEST_NUMBER = 1e50
-"""Numbers of a mechanism are multiplied with each other, up to six of them."""
+"""The largest number of a mechanism: up to six numbers are multiplied with each other."""
 
 UNBOUNDED = ("limit", "axis")
-"""Elements whose numbers may be larger: no limit at all, and a direction of any length."""
+"""Elements whose numbers may be larger: limits may be infinite, and axes of any length."""
 
 MATTERS = (
     "link",
@@ -92,7 +91,7 @@ MATTERS = (
     "dynamics",
     "geometry",
 )
-"""Elements that are not passed over where they do not belong."""
+"""Elements that are refused, not ignored, at a wrong place."""
 
 NUMBERS: Mapping[str, Mapping[str, int]] = {
     "mass": {"value": 1},
@@ -122,13 +121,13 @@ NEEDED: Mapping[str, tuple[str, ...]] = {
     "axis": ("xyz",),
     "mimic": ("joint",),
 }
-"""Attributes without which an element says nothing."""
+"""Required attributes of each element."""
 
 
 def check_urdf(path: Path, root: ElementTree.Element) -> None:
-    """Raise :class:`InvalidRobotFile` with what is wrong in a URDF and where.
+    """Raise :class:`InvalidRobotFile` with the first mistake in a URDF and its place.
 
-    It must be one tree of links with finite numbers.
+    The URDF must be one tree of links, with finite numbers.
     """
     _check_places(path, root)
     links, joints = (
@@ -153,7 +152,7 @@ def check_urdf(path: Path, root: ElementTree.Element) -> None:
 
 
 def _check_places(path: Path, root: ElementTree.Element) -> None:
-    """Refuse elements that are lost where they stand, and tell of others that are not read."""
+    """Refuse important elements at a wrong place, and log others that are not read."""
     unread: dict[str, None] = {}
     waiting = [root]
     while waiting:
@@ -170,8 +169,8 @@ def _check_places(path: Path, root: ElementTree.Element) -> None:
             elif child.tag in MATTERS:
                 raise InvalidRobotFile(
                     path,
-                    f"{described(element)}: {described(child)} has no place there: move or remove "
-                    "it",
+                    f"{described(element)}: {described(child)} does not belong there: move or "
+                    "remove it",
                 )
             elif child.tag not in PASSED_OVER and ":" not in child.tag and not _is_rest(child):
                 unread[f"<{child.tag}> in <{element.tag}>"] = None
@@ -184,13 +183,13 @@ def _check_places(path: Path, root: ElementTree.Element) -> None:
 
 
 def _is_rest(element: ElementTree.Element) -> bool:
-    """Tell whether an element is an origin of zeros, which exporters give to links."""
+    """Tell whether an element is an origin of zeros, which some exporters write into links."""
     words = " ".join(element.attrib.values()).split()
     return element.tag == "origin" and set(words) <= {"0", "-0", "0.0", "-0.0"}
 
 
 def _check_mimics(path: Path, joints: Mapping[str, ElementTree.Element]) -> None:
-    """Refuse joints that mimic none, or each other."""
+    """Refuse joints that mimic a missing joint or each other."""
     leaders = {
         name: mimic.attrib["joint"]
         for name, joint in joints.items()
@@ -234,7 +233,7 @@ def _check_numbers(path: Path, item: ElementTree.Element) -> None:
                 raise InvalidRobotFile(
                     path,
                     f"{described(item)}: {described(element)}: {attribute} is larger than "
-                    f"{LARGEST_NUMBER:g}, so that products of it are no numbers",
+                    f"{LARGEST_NUMBER:g}, so products of it would overflow",
                 )
 
 
@@ -282,7 +281,7 @@ def _check_tree(
     if len(roots) != 1:
         raise InvalidRobotFile(
             path,
-            f"one link must have no joint above it, but {len(roots)} have none: "
+            f"exactly one link must have no parent, but {len(roots)} have none: "
             f"{', '.join(roots) or 'each is a child'}",
         )
     hanging = {roots[0]}
@@ -293,8 +292,7 @@ def _check_tree(
             if link in passed:
                 raise InvalidRobotFile(
                     path,
-                    f"link {name!r} hangs on links that are children of each other, not on "
-                    f"{roots[0]!r}",
+                    f"link {name!r} hangs on a circle of links, not on {roots[0]!r}",
                 )
             passed.add(link)
         hanging |= passed

@@ -1,8 +1,9 @@
-"""Inertias of a URDF: what no body can have is refused, unless it is a part of one that can be.
+"""Inertias of a URDF: an impossible one is refused, unless its body as a whole has a possible one.
 
-Links that fixed joints join are one body. Public files give small parts of a large body, an antenna
-of a robot's base, moments that no part has; they are told, and the body is judged by its sum. What
-is fixed to the world does not move, and needs no inertia.
+Links that fixed joints join are one body. Public files give impossible moments to small parts of a
+large body, such as an antenna on a robot's base. Such a part is logged as a warning, and only the
+sum over the body must be possible. Links that are fixed to the world do not move and need no
+inertia.
 """
 
 from __future__ import annotations
@@ -24,9 +25,9 @@ logger = logger_named(__name__)
 
 
 class _Mass(NamedTuple):
-    """Moments of a mass about an origin, of orders zero to two: they add up.
+    """Moments of a mass about an origin, of orders zero to two, which can be added.
 
-    Pinocchio's inertias refuse to be negative.
+    Pinocchio's own inertias cannot be negative, so they cannot hold such a part.
     """
 
     mass: float
@@ -41,14 +42,14 @@ class _Mass(NamedTuple):
         return np.asarray(self.second + self.mass * pin.skewSquare(center, center))
 
     def moved(self, place: pin.SE3) -> _Mass:
-        """Return the same in the axes in which its own are at a place."""
+        """Return the moments in other axes, in which the present axes have a placement."""
         center = self.first / self.mass if self.mass else np.zeros(3)
         turn, there = place.rotation, place.act(center)
         second = turn @ self.central @ turn.T - self.mass * pin.skewSquare(there, there)
         return _Mass(self.mass, self.mass * there, second)
 
     def with_other(self, other: _Mass) -> _Mass:
-        """Return the sum of two that have the same axes."""
+        """Return the sum of two masses with the same axes."""
         return _Mass(self.mass + other.mass, self.first + other.first, self.second + other.second)
 
 
@@ -62,7 +63,7 @@ def check_inertias(
     links: Mapping[str, ElementTree.Element],
     joints: Mapping[str, ElementTree.Element],
 ) -> None:
-    """Check the inertias of all links of a tree, of which everything else was checked.
+    """Check the inertias of all links of a tree, after everything else was checked.
 
     Raises
     ------
@@ -107,7 +108,7 @@ def check_inertias(
 
 
 def _inertia(path: Path, link: ElementTree.Element) -> _Mass | None:
-    """Return the inertia of a link in its axes, None without one."""
+    """Return the inertia of a link in its axes; None if it has none."""
     inertial = link.find("inertial")
     if inertial is None:
         return None
@@ -129,7 +130,7 @@ def _moment(inertia: _Mass) -> float | None:
 def _carrier(
     path: Path, name: str, above: Mapping[str, tuple[str, bool, ElementTree.Element]]
 ) -> tuple[str, pin.SE3]:
-    """Return the link that a link is fixed to, over all fixed joints, and where it is in that."""
+    """Follow fixed joints upward from a link; return the last link, and the placement in it."""
     place = pin.SE3.Identity()
     while name in above and above[name][1]:
         name, _, joint = above[name]

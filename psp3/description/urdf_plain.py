@@ -1,8 +1,8 @@
-"""A URDF in plain words: what was checked, with its numbers written anew, and nothing else.
+"""Rewrite a checked URDF: only its known elements, with their numbers written anew.
 
-Pinocchio is given this instead of the file. Its parser drops, without an error, the inertia of a
-link whose mass ends in a blank, and reads other digits than Python does; so a number is read once,
-here, and what Pinocchio reads is what Python writes.
+Pinocchio reads the result, called the plain URDF, instead of the file. Its parser silently drops
+the inertia of a link whose mass ends in a blank, and does not read all digits that Python reads. So
+only this package reads the numbers of the file, and Pinocchio reads numbers that Python wrote.
 """
 
 from __future__ import annotations
@@ -18,24 +18,23 @@ from psp3.description.urdf_checks import CHILDREN, NUMBERS, TURNING, WORDS, chec
 from psp3.description.xml import numbers, read_xml
 
 LARGEST_AXIS = 1e6
-"""The parser squares the entries of an axis, so that those beyond this or below its reciprocal are
-brought to one.
+"""An axis with entries above this, or below its reciprocal, is normalized, because the parser
+squares them.
 """
 
 
 def plain_urdf(urdf: str | Path) -> ElementTree.Element:
-    """Return the outermost element of a URDF that was checked, in plain words.
+    """Return the outermost element of the plain URDF.
 
-    A robot without a name is called as its file, and a fixed joint mimics nothing. The axis of
-    every joint is written out. A planar joint moves in the plane that its axis is normal to, as the
-    format says; Pinocchio passes over that axis, so such a joint is turned, and its link hangs,
-    turned back, on a link between.
+    A robot without a name gets the name of its file, and a fixed joint mimics nothing. Every joint
+    has an explicit axis. By the format, a planar joint moves in the plane normal to its axis.
+    Pinocchio ignores that axis, so the joint is rotated, and an added link and a fixed joint rotate
+    its child back.
 
     Raises
     ------
     InvalidRobotFile
-        If the file is missing or says something wrong, see
-        :func:`psp3.description.urdf_checks.check_urdf`.
+        If the file is missing or wrong, see :func:`psp3.description.urdf_checks.check_urdf`.
     """
     path = Path(urdf)
     root = read_xml(path, "robot")
@@ -54,14 +53,14 @@ def plain_urdf(urdf: str | Path) -> ElementTree.Element:
 
 
 def make_meshes_absolute(path: Path, root: ElementTree.Element) -> None:
-    """Name meshes relative to the file, not to where the program was started."""
+    """Make mesh paths absolute; in the file they are relative to its folder."""
     for mesh in root.iter("mesh"):
         if "://" not in mesh.attrib["filename"]:
             mesh.set("filename", str(path.resolve().parent / mesh.attrib["filename"]))
 
 
 def _plain(path: Path, element: ElementTree.Element) -> ElementTree.Element:
-    """Return an element with the attributes and children that the format knows."""
+    """Return an element with only the attributes and children that the format has."""
     plain = ElementTree.Element(element.tag)
     for attribute in WORDS.get(element.tag, ()):
         if attribute in element.attrib:
@@ -85,7 +84,7 @@ def _read(text: str) -> Array:
 
 
 def _write_axis(joint: ElementTree.Element) -> None:
-    """Give a joint an axis that can be squared, the default one if it has none."""
+    """Give a joint an axis whose entries can be squared; the default axis if it has none."""
     axis = joint.find("axis")
     if axis is None:
         axis = ElementTree.SubElement(joint, "axis", xyz="1.0 0.0 0.0")
@@ -96,7 +95,7 @@ def _write_axis(joint: ElementTree.Element) -> None:
 
 
 def _turn_plane(plain: ElementTree.Element, joint: ElementTree.Element) -> None:
-    """Turn a planar joint so that z is its axis, and its link back."""
+    """Rotate a planar joint until z is its axis, and rotate its link back."""
     normal = _read(joint.find("axis").attrib["xyz"])  # type: ignore[union-attr]
     normal /= np.linalg.norm(normal)
     if normal[2] == 1.0:

@@ -1,7 +1,7 @@
-"""XML files of robots: read, and their numbers checked, before a parser of Pinocchio's sees them.
+"""Read XML files of robots, and check their numbers before one of Pinocchio's parsers reads them.
 
-Pinocchio's parsers pass over what they do not understand: a mass that is not a number becomes a
-body without mass.
+Pinocchio's parsers ignore what they do not understand: a body has no mass if its mass is not a
+number.
 """
 
 from __future__ import annotations
@@ -19,38 +19,37 @@ from psp3.checks import Array
 from psp3.errors import InvalidRobotFile
 
 LONGEST_SHOWN = 80
-"""So many characters of an attribute are shown in an error message."""
+"""The largest number of characters of an attribute in an error message."""
 
 BLANKS = " \t\r\n"
-"""What XML takes for blanks."""
+"""The characters that are blanks in XML."""
 
 NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
-"""A number that Python and the parsers in C and C++ read alike.
+"""A number that Python and the C and C++ parsers read in the same way.
 
-Not ``0x10``, ``1_0``, ``inf`` or digits that are not ASCII, which some of them read and others do
-not.
+It excludes ``0x10``, ``1_0``, ``inf`` and digits that are not ASCII, which only some of them read.
 """
 
 
 MOST_ATTRIBUTES = 100
-"""An element of a robot file has no more than a third of that."""
+"""The largest number of attributes of an element. Robot files need at most a third of that."""
 
 PIECE = 2**20
-"""Bytes that are given to the parser at a time."""
+"""The number of characters that the parser gets at a time."""
 
 LONGEST_WORD = 1000
-"""Characters of a tag or of the name of an attribute."""
+"""The longest tag or attribute name [characters]."""
 
 
 class Refused(Exception):
-    """What a builder does not take; the message says why."""
+    """The builder refuses a file; the message says why."""
 
 
 class BoundedBuilder(ElementTree.TreeBuilder):
-    """Builds the tree of a file, as long as it is one that a robot can have.
+    """Builds the tree of a file, and refuses trees that no robot file has.
 
-    A document type is refused before any entity is read: what it declares, one parser replaces and
-    another drops.
+    A document type is refused before any entity is read, because some parsers expand the entities
+    that it declares and others drop them.
     """
 
     def __init__(self) -> None:
@@ -91,20 +90,20 @@ class BoundedBuilder(ElementTree.TreeBuilder):
 def read_xml(path: Path, tag: str | None) -> ElementTree.Element:
     """Return the outermost element of an XML file, whose tag must be the given one, if any.
 
-    Blanks before the declaration are passed over.
+    Blanks before the XML declaration are ignored.
 
     Raises
     ------
     InvalidRobotFile
-        If the file is missing, is not XML, is larger, deeper or of more elements than is read, has
-        a document type or entities of its own, or its outermost element is another one.
+        If the file is missing, is not XML, is too large, too deep or has too many elements, has a
+        document type or its own entities, or has another outermost element.
     """
     if not path.is_file():
         raise InvalidRobotFile(path, "no such file")
     try:
         text = content_of(path).lstrip(BLANKS.encode())
         parser = ElementTree.XMLParser(target=BoundedBuilder())
-        # Piece by piece, because expat goes on to the end of one after its elements are refused.
+        # Piece by piece, because expat parses a piece to its end even after an element was refused.
         for start in range(0, len(text), PIECE):
             parser.feed(text[start : start + PIECE])
         root = parser.close()
@@ -120,14 +119,15 @@ def read_xml(path: Path, tag: str | None) -> ElementTree.Element:
 
 
 LEAST_MOMENT = -1e-9
-"""A moment of inertia below this share of the largest one is negative, not rounded."""
+"""A moment of inertia below this share of the largest one counts as negative; above it, as rounded.
+"""
 
 SMALLEST_RADIUS = 1e-6
-"""Beside a body's mass at this distance [m] its moments of inertia count as zero."""
+"""Moments of inertia smaller than those of the body's mass at this distance [m] count as zero."""
 
 
 def described(element: ElementTree.Element) -> str:
-    """Return an element's tag, with its name if it has one, as an error message says them."""
+    """Return an element's tag and name, if it has one, for an error message."""
     name = element.get("name")
     return f"<{element.tag}>" if name is None else f"<{element.tag} name={name!r}>"
 
@@ -135,7 +135,8 @@ def described(element: ElementTree.Element) -> str:
 def numbers(path: Path, element: ElementTree.Element, attribute: str, *counts: int) -> Array | None:
     """Return the finite numbers of an attribute, or None if the element does not have it.
 
-    They are read here alone: what a parser of another language is given is written anew from them.
+    Only this function reads numbers from a file. Parsers in other languages get numbers that Python
+    wrote.
 
     Parameters
     ----------
@@ -146,7 +147,7 @@ def numbers(path: Path, element: ElementTree.Element, attribute: str, *counts: i
     attribute : str
         Name of its attribute.
     *counts : int
-        How many numbers there may be; without any, one or more.
+        The allowed numbers of values; by default, one or more.
 
     Returns
     -------
@@ -156,14 +157,14 @@ def numbers(path: Path, element: ElementTree.Element, attribute: str, *counts: i
     Raises
     ------
     InvalidRobotFile
-        If there is something else (see :data:`NUMBER`), too many or too few, or one is not
+        If a word is not a number (see :data:`NUMBER`), there are too many or too few, or one is not
         finite.
     """
     text = element.get(attribute)
     if text is None:
         return None
     words = re.split(f"[{BLANKS}]+", text.strip(BLANKS))
-    # Too many are not read first: an attribute may hold a million words.
+    # Splitting is limited, because an attribute may hold a million words.
     values = np.array(
         [float(word) if NUMBER.fullmatch(word) else math.nan for word in words]
         if not counts or len(words) <= max(counts)
@@ -185,7 +186,7 @@ def unique_names(
 ) -> dict[str, ElementTree.Element]:
     """Return elements of one kind by their names.
 
-    Raise :class:`InvalidRobotFile` if one has none, or two have the same.
+    Raise :class:`InvalidRobotFile` if an element has no name, or two have the same.
     """
     known: dict[str, ElementTree.Element] = {}
     for element in elements:
@@ -199,7 +200,7 @@ def unique_names(
 
 
 def negative_moment(mass: float, inertia: Array) -> float | None:
-    """Return a principal moment of an inertia (3, 3) that is negative [kg m²], None without one."""
+    """Return a negative principal moment of an inertia (3, 3) [kg m²]; None if there is none."""
     moments = np.linalg.eigvalsh(inertia)
     least = LEAST_MOMENT * abs(moments[2]) - mass * SMALLEST_RADIUS**2
     return float(moments[0]) if moments[0] < least else None
@@ -208,10 +209,11 @@ def negative_moment(mass: float, inertia: Array) -> float | None:
 def check_inertia(path: Path, body: ElementTree.Element, mass: float, inertia: Array) -> None:
     """Raise :class:`InvalidRobotFile` if a mass or a moment is negative.
 
-    That is a body's mass [kg] or a principal moment of its inertia (3, 3) [kg m²].
+    These are a body's mass [kg] and the principal moments of its inertia (3, 3) [kg m²].
 
-    Moments that no rigid body has (each must be at most the sum of the other two) pass: they matter
-    only to bodies that turn, and the published ones of the 3-PSP's nuts, which do not, are such.
+    Impossible moments, one of which is more than the sum of the other two, are accepted. They
+    matter only for bodies that rotate. The published moments of the 3-PSP's nuts are impossible,
+    but the nuts do not rotate.
     """
     if mass < 0.0:
         raise InvalidRobotFile(path, f"{described(body)}: the mass {mass:g} is negative")

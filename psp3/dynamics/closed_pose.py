@@ -1,4 +1,4 @@
-"""One pose of a robot with its loops closed, and what its actuated joints do to the others."""
+"""A pose of a robot with closed loops, and the effect of its actuated joints on the others."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class ClosedPose:
     complement : (nv, n) ndarray
         All joint velocities per unit of actuated speed.
     dependent_inverse : callable
-        From a configuration to what :attr:`dependent_inverse` is there.
+        Returns :attr:`dependent_inverse` at a configuration.
     """
 
     def __init__(
@@ -35,6 +35,6 @@ class ClosedPose:
         """The (pseudo-)inverse of the un-actuated columns of the constraint Jacobian, (nv − n, m).
 
         It solves the closure equations for the un-actuated joints, see
-        :func:`psp3.closure.rank.dependent_solver`; computed when it is first asked for.
+        :func:`psp3.closure.rank.dependent_solver`; it is computed at the first access.
         """
         return self._solver(self.configuration)

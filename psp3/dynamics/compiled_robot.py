@@ -1,8 +1,8 @@
-"""What compiled loops ask of a robot, whichever it is: functions chosen by the type of its table.
+"""The functions of a robot that compiled loops call, chosen by the type of its table.
 
-A robot's table is a NamedTuple of arrays, :class:`psp3.multibody.core.Tables` of any tree with
-loops. What depends on the kind of robot is registered where that is: :mod:`psp3.robots.stepping`,
-and for closed forms beside them.
+A robot's table is a NamedTuple of arrays; for any tree with loops it is
+:class:`psp3.multibody.core.Tables`. Functions for each kind of robot are registered in the module
+of that kind: :mod:`psp3.robots.stepping` for trees, and the modules of closed forms.
 """
 
 from __future__ import annotations
@@ -17,26 +17,27 @@ from psp3.checks import Array
 def balance(
     robot: Any, state: Array, forces: Array, drives: Array, mass: Array, net: Array
 ) -> None:
-    """Write M + J (n, n) and what is left of the forces for accelerations and dry friction (n,).
+    """Write M + J (n, n) and the forces that remain for accelerations and dry friction (n,).
 
-    The state are positions and speeds (p + n,), ``forces`` those of the motors, ``drives`` (n, 3)
-    see :mod:`psp3.drives.kernels`; their dry friction is written, too, where it depends on the
-    pose. What is written is NaN where the state is none of the robot's.
+    J is the reflected inertia of the drives. The state is positions and speeds (p + n,), ``forces``
+    are those of the motors, and ``drives`` (n, 3) are as in :mod:`psp3.drives.kernels`. Their dry
+    friction is also written if it depends on the pose. The results are NaN if the robot cannot be
+    in the state.
     """
 
 
 @chosen_by_table
 def write_rates(robot: Any, state: Array, rates: Array) -> None:
-    """Write how the positions of a state change, (p,), to the first of the rates.
+    """Write the rates of the positions of a state, (p,), to the first of the rates.
 
-    Of positions that are joint angles and ways these are the speeds. A quaternion among them is
-    first brought to unit length, in the state, which rounding and steps of integration leave.
+    For joint angles and displacements the rates are the speeds. A quaternion in the state is first
+    normalized, because rounding and integration steps change its length.
     """
 
 
 @chosen_by_table
 def is_state(robot: Any, state: Array) -> bool:
-    """Tell whether a state is finite and one of the robot's."""
+    """Tell whether a state is finite and the robot can be in it."""
     raise NotImplementedError
 
 
@@ -46,8 +47,8 @@ def advance(
 ) -> bool:
     """Take Runge–Kutta steps under constant forces (n,), in place.
 
-    ``drives`` (n, 3), or (0, 3) for none. Return whether the state reached is finite and one of the
-    robot's.
+    ``drives`` (n, 3), or (0, 3) for none. Return whether the final state is finite and the robot
+    can be in it.
     """
     raise NotImplementedError
 
@@ -56,7 +57,7 @@ def advance(
 def write_forces(
     robot: Any, positions: Array, speeds: Array, accelerations: Array, out: Array
 ) -> bool:
-    """Write the motors' forces (m,) of a motion; return whether the robot can have them.
+    """Write the motor forces (m,) of a motion; return whether there are any.
 
     Fewer accelerations, (k,), are those of the first coordinates, and the others follow.
     """
@@ -65,7 +66,7 @@ def write_forces(
 
 @chosen_by_table
 def allocate(robot: Any, positions: Array, forces: Array, out: Array) -> bool:
-    """Write the shortest forces of the motors (m,) for forces along the first coordinates (k,).
+    """Write the shortest motor forces (m,) for forces along the first coordinates (k,).
 
     Return whether there are any.
     """

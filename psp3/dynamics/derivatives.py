@@ -1,10 +1,10 @@
 r"""Analytic derivatives of inverse and forward dynamics.
 
-In the actuated coordinates of any robot with loops.
+They are in the actuated coordinates of any robot with loops.
 
-They are the robot's own: of a :class:`psp3.ClosedLoopRobot` from the compiled core, see
-:mod:`psp3.multibody.derivatives`, and of ``robot.dynamics("pinocchio")`` from Pinocchio's, see
-:mod:`psp3.dynamics.projected_derivatives`. Neither knows of the other.
+The robot computes them: a :class:`psp3.ClosedLoopRobot` in the compiled core, see
+:mod:`psp3.multibody.derivatives`, and ``robot.dynamics("pinocchio")`` from Pinocchio's derivatives,
+see :mod:`psp3.dynamics.projected_derivatives`. The two share no code.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class InverseDynamicsDerivatives(NamedTuple):
     Entry (i, k) is that of force i by coordinate k.
 
     ``by_positions`` [N/m], ``by_speeds`` [N s/m] and ``by_accelerations``, which is the mass matrix
-    [kg]; of a rotating joint N m and rad take the place of N and m.
+    [kg]; for a rotating joint, N m and rad replace N and m.
     """
 
     by_positions: Array
@@ -37,7 +37,7 @@ class ForwardDynamicsDerivatives(NamedTuple):
     Entry (i, k) is that of acceleration i by coordinate k.
 
     ``by_positions`` [1/s²], ``by_speeds`` [1/s] and ``by_forces``, which is the inverse of the mass
-    matrix [1/kg]; units are mixed where joints are.
+    matrix [1/kg]; units are mixed if the robot has rotating and sliding joints.
     """
 
     by_positions: Array
@@ -46,7 +46,7 @@ class ForwardDynamicsDerivatives(NamedTuple):
 
 
 class ClosedDynamics(Protocol):
-    """What has derivatives: a tree whose loops are closed.
+    """Interface of a tree with closed loops that has derivatives.
 
     A :class:`psp3.ClosedLoopRobot` is one, and so is its ``robot.dynamics("pinocchio")``.
     """
@@ -134,6 +134,6 @@ def forward_dynamics_derivatives(
 
 
 def _check_dynamics(robot: object, question: str) -> None:
-    """Raise :class:`InvalidValue` if something has no such derivatives."""
+    """Raise :class:`InvalidValue` if an object has no such derivatives."""
     if not hasattr(robot, question):
         raise InvalidValue("robot", robot, 'a robot, as psp3.load("delta") returns it')

@@ -1,7 +1,8 @@
-"""Compiled Runge–Kutta steps of any robot with drives, from event to event of the dry friction.
+"""Compiled Runge–Kutta steps of any robot with drives, from one friction event to the next.
 
-A robot is a table of :mod:`psp3.dynamics.compiled_robot`. States are positions and speeds (p + n,):
-where a base floats, positions are more than speeds, and their rates are not the speeds.
+An event is a joint that stops or starts slipping. A robot is a table of
+:mod:`psp3.dynamics.compiled_robot`. States are positions and speeds (p + n,). With a floating base
+there are more positions than speeds, and the rates of the positions are not the speeds.
 """
 
 from __future__ import annotations
@@ -26,12 +27,12 @@ from psp3.drives.kernels import (
 from psp3.dynamics.compiled_robot import balance, is_state, write_rates
 
 MOST_TRIALS = 60
-"""Trials in the search for the time of an event; some eight do."""
+"""The largest number of trials in the search for the time of an event; about eight are enough."""
 
 
 @compiled
 def _speed_margin(drives: Array, slip: Array, state: Array) -> float:
-    """Return what speed is left until a joint that slips comes to rest."""
+    """Return the smallest speed of the slipping joints, which are at rest when it is zero."""
     p, margin = state.size - slip.size, math.inf
     for i in range(slip.size):
         if slip[i] != 0.0 and drives[i, DRY] > 0.0:
@@ -41,7 +42,7 @@ def _speed_margin(drives: Array, slip: Array, state: Array) -> float:
 
 @compiled
 def _force_margin(mass: Array, net: Array, drives: Array, slip: Array, rate: Array) -> float:
-    """Return what force is left until a joint that sticks lets go, at accelerations ``rate``."""
+    """Return the smallest force that a sticking joint can still hold, at accelerations ``rate``."""
     margin = math.inf
     for i in range(slip.size):
         if slip[i] == 0.0:
@@ -73,8 +74,9 @@ def _trial(
     """Write the state after one step with constant slip, and return its margin.
 
     The method is the classical Runge–Kutta; ``rates`` is scratch space (4, p + n). The margin is
-    what is left until a joint comes to rest or lets go, in its speed or N; negative once it has
-    happened. There is one call of ``balance``, which may take long to compile.
+    the speed or force [N] that remains until a joint comes to rest or starts to slip; it is
+    negative after the event. ``balance`` is called at one place only, because each call may take
+    long to compile.
     """
     n, size = net.size, state.size
     p, acceleration, margin = size - n, np.empty(n), math.inf
@@ -87,7 +89,7 @@ def _trial(
                     rates[0, i] + 2.0 * (rates[1, i] + rates[2, i]) + rates[3, i]
                 )
             margin = _speed_margin(drives, slip, new)
-        # After the last stage for the unit length of quaternions only.
+        # After the last stage this only normalizes the quaternions.
         write_rates(robot, new, rates[stage % 4])
         if stage == 4 and not _some_stick(slip):
             return margin
@@ -118,9 +120,11 @@ def _first_event(
 ) -> float:
     """Write the state just after the first event in a step, and return its time.
 
-    ``last`` is the margin at the end of the step, which is negative. False position (Illinois).
+    ``last`` is the margin at the end of the step, which is negative. The method is false position
+    (Illinois variant).
     """
-    # A joint that has just let go has no margin at first, so that a time must be found when it has.
+    # A joint that has just started to slip has a margin of zero, so a time with a positive margin
+    # is needed first.
     high, above, low, below = step, last, step, last
     while below < 0.0 and low > RESOLUTION * step:
         high, above, low = low, below, 0.5 * low
@@ -137,7 +141,7 @@ def _first_event(
         margin = _trial(robot, state, forces, time, drives, slip, mass, net, rates, new)
         if is_found:
             break
-        # An end that stays counts for half, so that it does not stay for ever.
+        # The value at an end that stays is halved, so that it does not stay forever.
         if margin < 0.0:
             high, above, below = time, margin, 0.5 * below
         else:
@@ -149,10 +153,10 @@ def _first_event(
 def advance_driven(
     robot: Any, state: Array, forces: Array, step: float, steps: int, drives: Array
 ) -> bool:
-    """Take steps under constant forces, in place, each in as many parts as it has events.
+    """Take steps under constant forces, in place; each step is divided at its events.
 
     ``drives`` has a row for each of the n speeds, see :mod:`psp3.drives.kernels`. Return whether
-    the state reached is one of the robot's.
+    the robot can be in the final state.
     """
     n, size = drives.shape[0], state.size
     p = size - n

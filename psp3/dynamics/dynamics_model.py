@@ -1,4 +1,4 @@
-"""What a controller needs of a model of the robot's dynamics."""
+"""The interface of a dynamics model for controllers."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from psp3.errors import InvalidValue
 class DynamicsModel(Protocol):
     """The equation of motion in actuated coordinates (eq. 3.1).
 
-    A robot is one, and so is each of ``robot.dynamics(name)``: closed form, core, Pinocchio,
-    natural orthogonal complement.
+    A robot is such a model, and so is each result of ``robot.dynamics(name)``: closed form, core,
+    Pinocchio, natural orthogonal complement.
     """
 
     def equation_of_motion(
@@ -28,15 +28,15 @@ class DynamicsModel(Protocol):
     def actuator_forces(
         self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
     ) -> Array:
-        """Return the forces of the motors for a motion, (..., n) [N], of hinges [N m]."""
+        """Return the forces of the motors for a motion, (..., n) [N], or [N m] for hinges."""
         ...
 
 
 class StateAfterState:
-    """A caller who asks a model about one state after the other.
+    """Calls of a model for one state after the other.
 
-    Loops are closed from the pose of the state before, of a model that has loops to close and a
-    ``last_pose``. Threads may share it: each has a pose of its own while it asks.
+    If the model has loops and a ``last_pose``, the loops are closed from the pose of the preceding
+    state. Threads may share the object: each has its own pose during a call.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class StateAfterState:
         self._poses = [pose]
 
     def ask(self, question: Callable[..., Any], *arguments: ArrayLike) -> Any:
-        """Return what a method of the model answers; it takes the pose as its ``guess``."""
+        """Return the result of a method of the model, which gets the pose as its ``guess``."""
         if self._new_pose is None:
             return question(*arguments)
         try:
@@ -69,10 +69,9 @@ class StateAfterState:
 
 
 class ForcesOfMotions(StateAfterState):
-    """The motors' forces of one motion after the other.
+    """The motor forces of one motion after the other.
 
-    They are the model's ``actuator_forces``, or M a + C v + G of a model of a user's own that lacks
-    them.
+    They are the model's ``actuator_forces``, or M a + C v + G if a user's model lacks that method.
 
     Parameters
     ----------
@@ -91,7 +90,7 @@ class ForcesOfMotions(StateAfterState):
         self._equation = None if self._forces is not None else equation_of_motion_of(model)
 
     def __call__(self, positions: Array, speeds: Array, accelerations: Array) -> Array:
-        """Return the forces of the motors of a state's accelerations (n,), or of the first (k,)."""
+        """Return the motor forces for a state's accelerations (n,), or for the first ones (k,)."""
         if self._equation is None:
             forces: Array = self.ask(self._forces, positions, speeds, accelerations)
             return forces
@@ -101,7 +100,7 @@ class ForcesOfMotions(StateAfterState):
 
 
 def checked_model(model: Any) -> None:
-    """Raise :class:`InvalidValue` if something is no model of a robot's dynamics."""
+    """Raise :class:`InvalidValue` if an object is not a model of a robot's dynamics."""
     if not hasattr(model, "actuator_forces"):
         equation_of_motion_of(model)
 
@@ -109,7 +108,7 @@ def checked_model(model: Any) -> None:
 def equation_of_motion_of(
     model: DynamicsModel,
 ) -> Callable[[ArrayLike, ArrayLike], tuple[Array, Array, Array]]:
-    """Return how to get M, C and G of a model: in one call, or from its three methods."""
+    """Return a function for M, C and G of a model, which calls one method or three."""
     whole = getattr(model, "equation_of_motion", None)
     if whole is not None:
         equation: Callable[[ArrayLike, ArrayLike], tuple[Array, Array, Array]] = whole

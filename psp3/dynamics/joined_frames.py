@@ -1,4 +1,4 @@
-"""The frames that Pinocchio's constraints join: how far apart, and how they come apart."""
+"""The frames that Pinocchio's constraints join: their distance, and their relative acceleration."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from psp3.dynamics.mechanism import Mechanism
 
 
 class JoinedFrames:
-    """The two frames of every loop: how far they are apart, and how they come apart."""
+    """The two frames of every loop: their distance, and their relative acceleration."""
 
     def __init__(self, mechanism: Mechanism) -> None:
         ends = np.cumsum([0, *(int(loop.residualSize()) for loop in mechanism.loops)])
@@ -36,10 +36,10 @@ class JoinedFrames:
         return -opening
 
     def accelerations(self, data: pin.Data, states: list[pin.RigidConstraintData]) -> Array:
-        """Return how the first frames accelerate against the second ones, (m,).
+        """Return the accelerations of the first frames relative to the second ones, (m,).
 
-        In axes of the first, in the motion of the tree without weight that RNEA has just been asked
-        for, which keeps the loops closed.
+        They are in axes of the first frames. The motion is that of the last call of RNEA, without
+        weight, which must keep the loops closed.
         """
         velocities, accelerations, out = data.v, data.a_gf, np.empty(self.rows)
         for (rows, is_point, *sides), state in zip(self._loops, states, strict=True):
@@ -52,6 +52,6 @@ class JoinedFrames:
                 here = pin.classicAcceleration(turning, one)
                 out[rows] = here - state.c1Mc2.rotation @ there
             else:
-                # Both frames move as one, so that neither turns against the other.
+                # Both frames move together, so they do not rotate relative to each other.
                 out[rows] = (one - state.c1Mc2.act(other)).vector
         return out

@@ -1,9 +1,9 @@
-r"""Linear systems that a robot is close to: about a pose, about a state, or along a motion.
+r"""Linear systems that approximate a robot: about a pose, about a state, or along a motion.
 
-The state is :math:`x = (a, \dot a)`, the actuated positions and speeds, and the input
-:math:`u = \tau`, the actuator forces. Small deviations from a motion obey
-:math:`\delta\dot x = A\, \delta x + B\, \delta u`, or, with forces that are held for a period,
-:math:`\delta x_{k+1} = A_d\, \delta x_k + B_d\, \delta u_k`.
+The state is :math:`x = (a, \dot a)`, the actuated positions and speeds, and the input :math:`u =
+\tau`, the actuator forces. Small deviations from a motion obey :math:`\delta\dot x = A\, \delta x +
+B\, \delta u`, or, with forces that are constant during a period, :math:`\delta x_{k+1} = A_d\,
+\delta x_k + B_d\, \delta u_k`.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from psp3.errors import InvalidArray, InvalidValue
 class LinearSystem(NamedTuple):
     """A linear system, continuous or sampled.
 
-    ``A`` (..., m, m), ``B`` (..., m, n), and ``period`` [s], None of a continuous one.
+    ``A`` (..., m, m), ``B`` (..., m, n), and ``period`` [s], which is None for a continuous system.
 
-    Of a robot, m = 2n: positions first, then speeds.
+    For a robot, m = 2n: positions first, then speeds.
     """
 
     A: Array
@@ -46,8 +46,8 @@ def linearize(
             \end{bmatrix}, \qquad
         B = \begin{bmatrix} 0 \\ M^{-1} \end{bmatrix}
 
-    The forces about which this holds are those of the motion, ``robot.inverse_dynamics``; at rest
-    they carry the weight.
+    The reference forces are those of the motion, ``robot.inverse_dynamics``; at rest they carry the
+    weight.
 
     Parameters
     ----------
@@ -55,15 +55,15 @@ def linearize(
         Any robot, with or without loops.
     positions : (..., n) array_like
         Actuated positions [m or rad]. The rows of a motion along a trajectory give a system for
-        each of its times.
+        each time.
     speeds, accelerations : (..., n) array_like, optional
         Their rates; at rest by default.
 
     Returns
     -------
     LinearSystem
-        ``.A`` (..., 2n, 2n) and ``.B`` (..., 2n, n), continuous. Of a robot whose coordinates are
-        not its motors the input are forces along the coordinates.
+        ``.A`` (..., 2n, 2n) and ``.B`` (..., 2n, n), continuous. If the coordinates of the robot
+        are not its motors, the input is the forces along the coordinates.
 
     Raises
     ------
@@ -90,14 +90,14 @@ def linearize(
 def discretize(system: LinearSystem, period: float) -> LinearSystem:
     r"""Return the sampled form of a continuous system without approximation.
 
-    Its input is held for a period at a time.
+    The input is constant during each period.
 
     .. math::
 
         \begin{bmatrix} A_d & B_d \\ 0 & 1 \end{bmatrix}
         = \exp\left( \begin{bmatrix} A & B \\ 0 & 0 \end{bmatrix} T \right)
 
-    Along a trajectory every A and B is taken as constant during its period.
+    Along a trajectory every A and B is constant during its period.
 
     Parameters
     ----------
@@ -109,14 +109,14 @@ def discretize(system: LinearSystem, period: float) -> LinearSystem:
     Returns
     -------
     LinearSystem
-        Of the same shapes.
+        The sampled system, with the same shapes.
 
     Raises
     ------
     InvalidValue
-        If the period is not positive, or the system is a sampled one already.
+        If the period is not positive, or the system is already sampled.
     InvalidArray
-        If A and B are not finite, or their shapes do not go together.
+        If A and B are not finite, or their shapes do not match.
 
     References
     ----------
@@ -135,7 +135,7 @@ def discretize(system: LinearSystem, period: float) -> LinearSystem:
     with np.errstate(over="ignore", invalid="ignore"):
         whole = expm(block)
     if not np.isfinite(whole).all():
-        raise InvalidValue("period", period, "short enough for the system not to leave all numbers")
+        raise InvalidValue("period", period, "short enough for a finite result")
     return LinearSystem(whole[..., :m, :m], whole[..., :m, m:], period)
 
 

@@ -1,4 +1,4 @@
-"""What a route through the dynamics needs of a robot: tree, loops, motors and home."""
+"""The properties of a robot that its dynamics needs: tree, loops, motors and home."""
 
 from __future__ import annotations
 
@@ -13,23 +13,24 @@ from psp3.closure.rank import dependent_solver
 from psp3.errors import DisorderedJoints, MobilityMismatch, UnknownName
 
 MOBILITY_TOLERANCE = 1e-5
-"""L must satisfy the loops' velocity equations to this share; far above rounding, far below a wrong
-number of actuators.
+"""L may violate the loops' velocity equations by this share. It is far above rounding, and far
+below the violation with a wrong number of actuators.
 """
 
 
 MISMATCHED = 300.0
-"""So many times their mismatch rounded loops may miss their velocity equations: where rounding
-makes both, a singular value was up to thirty times the mismatch.
+"""Rounded loops may violate their velocity equations by this many times their mismatch. If rounding
+causes both, the observed factor of a singular value is at most thirty.
 """
 
 
 class HasTree(Protocol):
-    """Anything with a Pinocchio ``model``.
+    """Any object with a Pinocchio ``model``.
 
-    What else it may have is read if it is there and not None, as of the robots of
-    example-robot-data: ``constraint_models`` (none: no loops), ``actuated`` (none: every joint),
-    and ``q0``, a configuration that closes the loops, or nearly (none: ``neutral`` of the model).
+    Other attributes are read if they exist and are not None, as in the robots of
+    example-robot-data: ``constraint_models`` (default: no loops), ``actuated`` (default: every
+    joint), and ``q0``, a configuration that closes the loops, or nearly (default: ``neutral`` of
+    the model).
     """
 
     @property
@@ -44,7 +45,7 @@ class Mechanism:
     Parameters
     ----------
     robot : HasTree
-        A robot, or what else has a tree.
+        A robot, or any other object with a tree.
 
     Attributes
     ----------
@@ -53,18 +54,18 @@ class Mechanism:
     loops : list of pinocchio.RigidConstraintModel
         The loop closures.
     equations : list of Coupling, Hinge or Spin
-        What else closes it.
+        The other closures.
     springs : mapping or None
-        Of joints; None of a bare tree.
+        Springs of joints; None for a bare tree.
     motors : (nv, m) ndarray or None
-        What the motors drive; None of a bare tree, whose coordinates are driven.
+        Joint velocities that the motors drive; None for a bare tree, whose coordinates are driven.
     mismatch : float
-        How far rounding leaves the loops open [m, rad].
+        Residual that rounding leaves in the loops [m, rad].
     names : tuple of str
-        The actuated joints, or what else are the robot's ``coordinates``.
+        The actuated joints, or the robot's ``coordinates`` if these are not the actuated joints.
     actuated, dependent : ndarray of int
-        Places of the actuated joints in joint velocities, and of the others; joints that the robot
-        has ``locked`` are neither.
+        Places of the actuated joints in joint velocities, and of the others; ``locked`` joints are
+        in neither.
 
     Raises
     ------
@@ -112,7 +113,7 @@ class Mechanism:
 
     @property
     def rows(self) -> int:
-        """How many closure equations there are: three or six a loop."""
+        """Number of closure equations: three or six per loop."""
         return sum(int(loop.residualSize()) for loop in self.loops)
 
     def home(self) -> Array:
@@ -147,8 +148,8 @@ class Mechanism:
         complement = np.zeros((self.model.nv, self.actuated.size))
         complement[self.actuated, np.arange(self.actuated.size)] = 1.0
         complement[self.dependent] = -inverse @ jacobian[:, self.actuated]
-        # With more actuated joints than degrees of freedom no L keeps the loops closed, and the
-        # pseudo-inverse only comes near. An inverse solves every equation.
+        # If there are more actuated joints than degrees of freedom, no L keeps the loops closed,
+        # and the pseudo-inverse is only the best approximation. An inverse solves all equations.
         if len(jacobian) > self.dependent.size:
             missed = np.abs(jacobian @ complement).max(initial=0.0)
             allowed = MOBILITY_TOLERANCE + MISMATCHED * self.mismatch
@@ -160,12 +161,12 @@ class Mechanism:
 def check_order(model: pin.Model) -> None:
     """Refuse a tree in which a joint does not follow its parent's other descendants.
 
-    Pinocchio's ``crba`` and ``constraintDynamics`` take subtrees for contiguous.
+    Pinocchio's ``crba`` and ``constraintDynamics`` assume that subtrees are contiguous.
 
     Raises
     ------
     DisorderedJoints
-        If one does not.
+        If a joint does not.
     """
     branch = [0]
     for joint in range(1, model.njoints):

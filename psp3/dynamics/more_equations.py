@@ -1,7 +1,8 @@
-"""Closure equations that Pinocchio has no model of, written out for its kinematics.
+"""Closure equations for which Pinocchio has no model, based on its kinematics.
 
-Couplings, hinges and balls whose spin is held: residual, Jacobian, and how they open while all
-joints are uniform. Nothing here is shared with the compiled core.
+For couplings, hinges and ball joints whose spin is held, this module computes the residual, the
+Jacobian, and the accelerations with which the closures open when all joint speeds are constant. It
+shares no code with the compiled core.
 """
 
 from __future__ import annotations
@@ -40,9 +41,10 @@ class MoreEquations:
         return np.concatenate(residuals), np.concatenate(rows)
 
     def accelerations(self, data: pin.Data, q: Array, v: Array) -> Array:
-        """Return how they open, (m,), in a motion v that keeps them closed.
+        """Return the opening accelerations, (m,), of a motion v that keeps them closed.
 
-        Its twists and accelerations must be in the data, and :meth:`at` been asked about q.
+        The data must hold its twists and accelerations, and :meth:`at` must have been called with
+        q.
         """
         if not self._all:
             return np.zeros(0)
@@ -70,9 +72,10 @@ class _Coupled:
 
 
 class _Held:
-    """A ball that does not turn about an axis n: of its quaternion (u, w) is n · u = 0.
+    """A ball joint that does not rotate about an axis n: its quaternion (u, w) has n · u = 0.
 
-    As seen from where it is held; the quaternion turns by ẇ = −½ u · ω and u̇ = ½ (w ω + u × ω).
+    The quaternion is relative to the held orientation; its rates are ẇ = −½ u · ω and u̇ = ½ (w ω +
+    u × ω).
     """
 
     rows = 1
@@ -101,9 +104,10 @@ class _Held:
 
 
 class _Hinged:
-    """Two frames that share origin and z axis: place and z axis of the second seen from the first.
+    """Two frames that share origin and z axis: those of the second as seen from the first.
 
-    Where M places the second frame in the first, it moves by the twist ν = M v₂ − v₁.
+    M is the placement of the second frame in the first. The second moves with the relative twist ν
+    = M v₂ − v₁.
     """
 
     rows = 5
@@ -155,8 +159,8 @@ class JointElements:
     model : pinocchio.Model
         The tree, with damping and friction.
     springs : mapping of str to (float, float), optional
-        Stiffness and rest, by joint. Without it (not with an empty one) there are no elements at
-        all: a bare tree of Pinocchio's moves as Pinocchio says.
+        Stiffness and rest, by joint. If it is None (not empty), there is no damping or friction
+        either, so that a bare Pinocchio tree moves as in Pinocchio.
     """
 
     def __init__(self, model: pin.Model, springs: Any) -> None:
@@ -171,7 +175,7 @@ class JointElements:
 
     @property
     def are_there(self) -> bool:
-        """Whether there is any."""
+        """Whether there are any elements."""
         return bool(self._springs or self._damping.any() or self._friction.any())
 
     def of_positions(self, q: Array) -> Array:
@@ -182,11 +186,11 @@ class JointElements:
         return forces
 
     def of_speeds(self, v: Array) -> Array:
-        """Return the forces of damping and friction over the speeds, (nv,)."""
+        """Return the forces of damping and friction divided by the speeds, (nv,)."""
         with np.errstate(divide="ignore", invalid="ignore"):
             friction = np.where(v != 0.0, self._friction / np.abs(v), 0.0)
         return np.asarray(self._damping + friction)
 
     def resistance(self, q: Array, v: Array) -> Array:
-        """Return the forces that all together take, (nv,)."""
+        """Return the sum of all forces, (nv,)."""
         return np.asarray(self.of_positions(q) + self.of_speeds(v) * v)

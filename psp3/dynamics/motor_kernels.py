@@ -1,4 +1,4 @@
-"""Which motor forces do what is wanted, compiled: as :func:`psp3.dynamics.motors.least_norm`."""
+"""Compiled motor forces with a wanted effect, as :func:`psp3.dynamics.motors.least_norm`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from psp3.dynamics.motors import LEFT_OVER, RANK
 
 @compiled
 def _longest(rows: Array, is_taken: Array) -> int:
-    """Return the longest of the rows that are not taken."""
+    """Return the longest row that has not been used."""
     best, largest = 0, -1.0
     for row in range(rows.shape[0]):
         square = 0.0
@@ -26,7 +26,7 @@ def _longest(rows: Array, is_taken: Array) -> int:
 
 @compiled
 def _made_square(rows: Array, row: int, units: Array, count: int) -> float:
-    """Take from a row its parts along the units, and return the length that is left."""
+    """Subtract a row's components along the unit vectors, and return the remaining length."""
     square = 0.0
     for unit in range(count):
         along = 0.0
@@ -41,7 +41,7 @@ def _made_square(rows: Array, row: int, units: Array, count: int) -> float:
 
 @compiled
 def _is_done(matrix: Array, wanted: Array, forces: Array) -> bool:
-    """Tell whether forces do what is wanted, to rounding."""
+    """Tell whether forces have the wanted effect, to rounding."""
     largest, missed = 0.0, 0.0
     for row in range(wanted.size):
         rest = wanted[row]
@@ -56,12 +56,13 @@ def _is_done(matrix: Array, wanted: Array, forces: Array) -> bool:
 
 @compiled
 def shortest(matrix: Array, wanted: Array, out: Array) -> bool:
-    """Write the shortest motor forces (m,) that do what is wanted, (k,); return whether they do.
+    """Write the shortest motor forces (m,) with a wanted effect (k,); return whether they have it.
 
-    ``matrix`` (k, m) is what each motor does. Its rows are made square to one another, the longest
-    that is left first (Gram and Schmidt, twice: B. N. Parlett, The Symmetric Eigenvalue Problem,
-    1980, section 6.9), and each adds to the forces what it is short of. A row that adds less than
-    ``RANK`` of the longest follows from the others, or cannot be done.
+    ``matrix`` (k, m) is the effect of each motor. Its rows are made orthogonal, the longest
+    remaining row first (Gram–Schmidt, applied twice: B. N. Parlett, The Symmetric Eigenvalue
+    Problem, 1980, section 6.9). Each row adds its missing effect to the forces. A row whose
+    remaining length is less than ``RANK`` of the longest follows from the others, or its effect
+    cannot be reached.
     """
     k, m = matrix.shape
     rows, units, is_taken = np.empty((k, m)), np.empty((min(k, m), m)), np.zeros(k)

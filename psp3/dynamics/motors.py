@@ -1,15 +1,15 @@
-r"""Motors of a robot: the forces they produce, and the motor forces for wanted forces.
+r"""Motors of a robot: the forces that they produce, and the motor forces for wanted forces.
 
-With B what each motor drives, a column of joint velocities each, motor forces :math:`\tau` are
-forces :math:`A \tau` along the coordinates, :math:`A = L^T B`. Where motors are more than the
-coordinates that they command, many forces do the same, and those of least norm are taken; where
-coordinates are more, the accelerations of the first ones can be asked for, and the others follow
-(partial feedback linearization: M. W. Spong, Partial feedback linearization of underactuated
-mechanical systems, IROS 1994):
+Column j of B holds the joint velocities that motor j drives. Motor forces :math:`\tau` then act as
+forces :math:`A \tau` along the coordinates, with :math:`A = L^T B`. If there are more motors than
+commanded coordinates, many motor forces have the same effect, and those with the least norm are
+chosen. If there are more coordinates, accelerations can be prescribed for the first ones, and the
+others follow (partial feedback linearization: M. W. Spong, Partial feedback linearization of
+underactuated mechanical systems, IROS 1994):
 
 .. math:: S M^{-1} (A \tau - h) = \ddot q_c, \qquad \ddot q_c = S \ddot q,
 
-with h the forces of a motion without acceleration, and S the rows of the coordinates asked for.
+with h the forces of a motion without acceleration, and S the rows of the prescribed coordinates.
 """
 
 from __future__ import annotations
@@ -25,35 +25,35 @@ from psp3.checks import Array, Indices, finite_rows
 from psp3.errors import UnreachableForces
 
 RANK = 1e-7
-"""Share of the largest singular value up to which one counts as zero."""
+"""Singular values up to this share of the largest one count as zero."""
 
 LEFT_OVER = 1e-8
-"""Share of what is wanted that may be missed, by rounding."""
+"""Share of the wanted forces that may be missing because of rounding."""
 
 
 class Driven(NamedTuple):
-    r"""Drives and the joints' own dry friction, as the equation of motion in coordinates has them.
+    r"""Drives and the joints' own dry friction, as in the equation of motion in coordinates.
 
-    A drive elsewhere moves at :math:`\omega = c^T \dot q` with its column c. It weighs, brakes and
-    rubs along :math:`L^T c`. Where it follows one coordinate alone, it rests when that rests, and
-    its dry friction holds it, as much as its lever there makes of it; where it follows several, its
-    dry friction has the sign of its speed.
+    A drive that is not at a coordinate is called a drive elsewhere. With its column c it moves at
+    :math:`\omega = c^T \dot q`, and its inertia and friction act along :math:`L^T c`. If it follows
+    a single coordinate, it rests when the coordinate rests, and its dry friction, times its lever
+    arm, holds the coordinate. If it follows several, its dry friction has the sign of its speed.
     """
 
     coordinates: Array
     """Reflected inertia, viscous and dry friction at each coordinate, (n, 3)."""
     columns: Array
-    """What joint velocities each drive elsewhere turns with, (nv, w)."""
+    """The columns c of the drives elsewhere, (nv, w)."""
     elsewhere: Array
     """Reflected inertia, viscous and dry friction of each of these, (w, 3)."""
     follows: Indices
-    """The coordinate that each follows alone, or −1, (w,)."""
+    """The only coordinate that each of these follows, or −1, (w,)."""
     joints: Indices
-    """Velocities of the joints whose own dry friction is among these numbers."""
+    """Velocities of the joints whose own dry friction is included in these numbers."""
 
 
 class Motors(NamedTuple):
-    """What the motors of a robot drive, and where they are among its coordinates."""
+    """The joints that the motors of a robot drive, and their places among its coordinates."""
 
     names: tuple[str, ...]
     matrix: Array
@@ -64,7 +64,7 @@ class Motors(NamedTuple):
     """Coordinates of a floating base, which are the last: 7, in a plane 4, or none."""
     model: pin.Model
     followed: Indices
-    """The coordinate that each joint velocity follows alone, or −1, (nv,)."""
+    """The only coordinate that each joint velocity follows, or −1, (nv,)."""
 
     @property
     def are_coordinates(self) -> bool:
@@ -73,14 +73,14 @@ class Motors(NamedTuple):
         return self.matrix.shape[1] == n and bool((self.matrix[self.speeds] == np.eye(n)).all())
 
     def without_drives(self) -> Driven:
-        """Return no drives, the joints' own dry friction being left to their own forces."""
+        """Return no drives; the joints' own forces then include their dry friction."""
         none, n, nv = np.zeros(0, dtype=np.int64), len(self.speeds), self.model.nv
         return Driven(np.zeros((n, 3)), np.zeros((nv, 0)), np.zeros((0, 3)), none, none)
 
     def driven(self, drives: Array) -> Driven:
         """Return drives of motors, (m, 3), and the joints' own dry friction.
 
-        Of joints that follow several coordinates the friction is left to the joints' own forces.
+        The joints' own forces include the friction of joints that follow several coordinates.
         """
         of_coordinates = np.zeros((len(self.speeds), 3))
         columns, elsewhere = [], []
@@ -108,20 +108,20 @@ class Motors(NamedTuple):
         )
 
     def _followed_by(self, column: Array) -> int:
-        """Return the coordinate that all joints of a column follow alone, or −1."""
+        """Return the only coordinate that all joints of a column follow, or −1."""
         found = set(self.followed[np.flatnonzero(column)].tolist())
         return found.pop() if len(found) == 1 else -1
 
 
 def least_norm(matrix: Array, wanted: Array, names: Sequence[str], what: str = "forces") -> Array:
-    """Return the shortest motor forces (..., m) that do what is wanted, (..., k).
+    """Return the shortest motor forces (..., m) that have a wanted effect (..., k).
 
     Parameters
     ----------
     matrix : (..., k, m) ndarray
-        What each motor does.
+        The effect of each motor.
     wanted : (..., k) ndarray
-        What they are to do together.
+        The wanted effect of all motors together.
     names : sequence of str
         Coordinates, for the error.
     what : str
@@ -130,7 +130,7 @@ def least_norm(matrix: Array, wanted: Array, names: Sequence[str], what: str = "
     Raises
     ------
     UnreachableForces
-        If some of it cannot be done.
+        If some of it cannot be reached.
     """
     inverse = np.linalg.pinv(matrix, rcond=RANK)
     motors: Array = np.einsum("...mk,...k->...m", inverse, wanted)
@@ -148,7 +148,7 @@ def forces_of_motors(
     accelerations: ArrayLike,
     names: Sequence[str],
 ) -> Array:
-    """Return the shortest motor forces (..., m) of accelerations of all coordinates, or the first.
+    """Return the shortest motor forces (..., m) for accelerations of all or the first coordinates.
 
     Parameters
     ----------
@@ -157,16 +157,16 @@ def forces_of_motors(
     along : callable
         Forces along the coordinates (..., n) of accelerations (..., n) in this state.
     mass : callable
-        The mass matrix (..., n, n) in this state, which fewer accelerations need.
+        The mass matrix (..., n, n) in this state, needed for fewer accelerations.
     accelerations : (..., n) or (..., k) array_like
-        Of the coordinates; fewer are those of the first k, and the others follow.
+        Accelerations of the coordinates, or of the first k; the others then follow.
     names : sequence of str
         The coordinates.
 
     Raises
     ------
     UnreachableForces
-        If the motors cannot.
+        If the motors cannot produce them.
     """
     n = actuation.shape[-2]
     k = (*np.shape(accelerations)[-1:], n)[0]
@@ -179,7 +179,7 @@ def forces_of_motors(
 def partly_linearizing(
     mass: Array, bias: Array, actuation: Array, accelerations: Array, names: Sequence[str]
 ) -> Array:
-    """Return the shortest motor forces (..., m) that accelerate the first coordinates as wanted.
+    """Return the shortest motor forces (..., m) for wanted accelerations of the first coordinates.
 
     Parameters
     ----------
@@ -189,14 +189,14 @@ def partly_linearizing(
     actuation : (..., n, m) ndarray
         A.
     accelerations : (..., k) ndarray
-        Of the first k coordinates; the others follow.
+        Accelerations of the first k coordinates; the others follow.
     names : sequence of str
         The coordinates.
 
     Raises
     ------
     UnreachableForces
-        If the motors cannot accelerate these coordinates so.
+        If the motors cannot produce these accelerations.
     """
     k = accelerations.shape[-1]
     both = np.linalg.solve(mass, np.concatenate([actuation, bias[..., np.newaxis]], axis=-1))

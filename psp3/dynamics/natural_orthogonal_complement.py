@@ -1,6 +1,4 @@
-r"""The thesis's dynamics, equation by equation.
-
-The natural orthogonal complement (eq. 3.2–3.4 and 3.6–3.36).
+r"""The thesis's dynamics: the natural orthogonal complement (eq. 3.2–3.4 and 3.6–3.36).
 
 The complement :math:`T` maps the actuated speeds to the twists of all bodies,
 :math:`t = T \dot q^a`. Twists that the loops allow do no work against the constraint forces, so
@@ -10,12 +8,11 @@ leaves
 .. math:: M = T^T M_\text{total} T, \qquad
           C = T^T M_\text{total} \dot T + T^T \Omega M_\text{total} T, \qquad G = -T^T w^g.
 
-Where the printed equations are wrong (see each function), what is right is implemented. Joint
-quantities (placements, joint Jacobians and their rates, inertias) come from Pinocchio; everything
-else is here and in :mod:`psp3.dynamics.newton_from_home`, which closes the loops, so any tree with
-loops and named actuated joints can be treated, one without loops included. Of the robot only its
-tree, its loops, the names of its motors and its reference configuration are used: no
-``robot.configuration`` is ever called.
+If a printed equation is wrong (see each function), the correct one is implemented. Joint quantities
+(placements, joint Jacobians and their rates, inertias) come from Pinocchio. Everything else is in
+this module and in :mod:`psp3.dynamics.newton_from_home`, which closes the loops. So the code works
+for any tree with named actuated joints, with or without loops. It uses only the robot's tree,
+loops, motor names and reference configuration, and never calls ``robot.configuration``.
 """
 
 from __future__ import annotations
@@ -37,10 +34,10 @@ from psp3.dynamics.newton_from_home import Closed, NewtonFromHome
 from psp3.errors import InconsistentVelocity, InvalidValue, NoFiniteAnswer, OpenLoops
 
 CLOSURE_TOLERANCE = 1e-6
-"""Dynamics is refused where a loop is open by more than this [m, rad]."""
+"""Dynamics is refused if a loop is open by more than this [m, rad]."""
 
 VELOCITY_TOLERANCE = 1e-8
-"""A velocity is refused where it violates the loops by more than this share of its size."""
+"""A velocity is refused if it violates the loops by more than this share of its size."""
 
 
 def _skew(vectors: Array) -> Array:
@@ -85,7 +82,7 @@ class _Loop:
 
 
 class _Tree:
-    """What of a tree does not change: joints, bodies, loops, and Pinocchio's room to compute in."""
+    """The constant properties of a tree: joints, bodies and loops; and Pinocchio's data."""
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
@@ -110,7 +107,7 @@ class _Tree:
             self.rows += int(loop.residualSize())
 
     def frames(self) -> list[tuple[Any, Any]]:
-        """Return the placements of the two frames of every loop, where Pinocchio is now."""
+        """Return the placements of the two frames of every loop, from Pinocchio's current data."""
         placements = self.data.oMi
         return [
             (placements[loop.first] * loop.in_first, placements[loop.second] * loop.in_second)
@@ -118,7 +115,7 @@ class _Tree:
         ]
 
     def constraint(self, q: Array) -> tuple[Array, Array]:
-        """Return φ and Φ at one configuration, and leave Pinocchio's placements there."""
+        """Return φ and Φ at one configuration; Pinocchio's data then holds its placements."""
         jacobian = pin.computeJointJacobians(self.model, self.data, q)
         residual, derivative = np.empty(self.rows), np.empty((self.rows, self.model.nv))
         for loop, (first, second) in zip(self.loops, self.frames(), strict=True):
@@ -128,7 +125,7 @@ class _Tree:
             change, moved = second.toActionMatrixInverse(), jacobian * loop.difference
             if loop.is_6d:
                 residual[loop.rows] = pin.log6(relative).vector
-                # Jlog6 makes this the derivative of the logarithm away from closure too, where
+                # With Jlog6 this is the derivative of the logarithm even if the loops are open;
                 # Pinocchio's is not.
                 derivative[loop.rows] = (pin.Jlog6(relative) @ change) @ moved
             else:
@@ -144,10 +141,10 @@ class _Tree:
 
 
 class _State:
-    """The thesis's quantities at one configuration, and at one velocity, each computed once.
+    """The thesis's quantities at one configuration and one velocity, each computed once.
 
-    Pinocchio's placements are read when they are first needed, so that only the last state that was
-    made may be asked.
+    Pinocchio's placements are read when they are first needed, so only the most recent state is
+    valid.
     """
 
     def __init__(self, tree: _Tree, q: Array) -> None:
@@ -157,7 +154,7 @@ class _State:
 
     @classmethod
     def where_closed(cls, tree: _Tree, found: Closed) -> _State:
-        """Return the state where the loops have just been closed."""
+        """Return the state at which the loops were just closed."""
         state = cls.__new__(cls)
         state._tree, state._q, state.jacobian = tree, found.q, found.jacobian
         state._joint_jacobian = np.array(tree.data.J)
@@ -165,8 +162,8 @@ class _State:
         return state
 
     def moving(self, v: Array) -> _State:
-        """Take a velocity, which must keep the loops closed."""
-        # L first, so that a singular configuration is reported as what it is.
+        """Set a velocity, which must keep the loops closed."""
+        # L comes first, so that a singular configuration is reported as singular.
         _ = self._solved
         residual, tolerance = _size(self.jacobian @ v), VELOCITY_TOLERANCE * _size(v)
         if not residual <= tolerance:
@@ -204,7 +201,7 @@ class _State:
         rows = np.empty((tree.rows, tree.model.nv))
         for loop, (first, second) in zip(tree.loops, tree.frames(), strict=True):
             relative = first.actInv(second)
-            # The axes of the second frame turn with it.
+            # The axes of the second frame rotate with it.
             turning = _motion_cross(jacobian @ (loop.moves_second * self._v))
             twist_rate = second.toActionMatrixInverse() @ (
                 (rate - turning @ jacobian) * loop.difference
@@ -214,8 +211,8 @@ class _State:
                 # Jlog6, constant.
                 rows[loop.rows] = pin.Jlog6(relative) @ twist_rate
             else:
-                # The relative rotation turns the rows, too, but what it turns vanishes for every
-                # velocity that keeps the loops closed, and only its product with L is ever used.
+                # The relative rotation also rotates the rows, but this term is zero for every
+                # velocity that keeps the loops closed, and only its product with L is used.
                 rows[loop.rows] = relative.rotation @ twist_rate[:3]
         return rows
 
@@ -282,7 +279,7 @@ class _State:
             + self.K[:, dependent] @ (self._solved[1] @ turned)
         )
 
-    # Matrices of the free bodies are kept block by block, (r, 6, 6): all else in them is zero.
+    # Matrices of the free bodies are stored as blocks, (r, 6, 6); all other entries are zero.
 
     @functools.cached_property
     def M_blocks(self) -> Array:
@@ -338,10 +335,10 @@ class NaturalOrthogonalComplement(Described):
     Parameters
     ----------
     robot : HasTree
-        Anything with a Pinocchio ``model``; ``constraint_models`` (none: no loops) and ``actuated``
-        (none: every joint), as :class:`psp3.ClosedLoopRobot` and the robots of example-robot-data
-        have them; and ``q0``, the configuration from which the loops are closed (none: ``neutral``
-        of the model).
+        Any object with a Pinocchio ``model``. Optional attributes, as in
+        :class:`psp3.ClosedLoopRobot` and the robots of example-robot-data, are
+        ``constraint_models`` (default: no loops), ``actuated`` (default: every joint) and ``q0``,
+        the configuration from which the loops are closed (default: ``neutral`` of the model).
     """
 
     def __init__(self, robot: HasTree) -> None:
@@ -360,7 +357,7 @@ class NaturalOrthogonalComplement(Described):
         return {"robot": self.robot, "bodies": len(self.body_names)}
 
     def __reduce__(self) -> tuple[type[NaturalOrthogonalComplement], tuple[HasTree]]:
-        # Pinocchio pickles neither constraints nor what it computes of them.
+        # Pinocchio can pickle neither constraints nor their data.
         return type(self), (self.robot,)
 
     def _body_name(self, joint: int) -> str:
@@ -371,7 +368,7 @@ class NaturalOrthogonalComplement(Described):
 
     @functools.cached_property
     def _from_home(self) -> NewtonFromHome:
-        # Only when it is asked for: whoever has configurations needs no home that closes the loops.
+        # Created on demand: if the caller has configurations, home need not close the loops.
         return NewtonFromHome(
             self.model,
             self._mechanism.names,
@@ -385,7 +382,7 @@ class NaturalOrthogonalComplement(Described):
     def _limited(self) -> PassiveLimits:
         return PassiveLimits(self.model, self._mechanism.names)
 
-    # Rows: one configuration at a time, because Pinocchio takes one at a time
+    # Rows: Pinocchio takes one configuration at a time
 
     def _at(
         self, function: Callable[[_State], Array], shape: tuple[int, ...], q: ArrayLike
@@ -409,13 +406,13 @@ class NaturalOrthogonalComplement(Described):
         )
 
     def _found(self, positions: Array) -> Closed:
-        """Return where the loops are closed at one row of actuated positions."""
+        """Return the closed configuration at one row of actuated positions."""
         found = self._from_home.closed(positions)
         self._limited.check(found.q[np.newaxis])
         return found
 
     def _closed(self, positions: Array, speeds: Array) -> _State:
-        """Return the state there that moves at actuated speeds."""
+        """Return the state there with actuated speeds."""
         found = self._found(positions)
         return _State.where_closed(self._tree, found).moving(found.complement @ speeds)
 
@@ -424,10 +421,10 @@ class NaturalOrthogonalComplement(Described):
     def constraint(self, q: ArrayLike) -> Array:
         r"""Return the constraints :math:`\phi(q)`, zero where the loops are closed (eq. 3.6).
 
-        Six rows per 6D loop, the logarithm of the relative placement of its two frames; three rows
-        per 3D loop, their distance in axes of the first. The printed eq. 3.13 takes the Cayley form
-        of each frame's rotation, which is singular at 180° and therefore bad near home already; the
-        logarithm of the *relative* rotation is not.
+        A 6D loop has six rows, the logarithm of the relative placement of its two frames. A 3D loop
+        has three rows, their distance in axes of the first. The printed eq. 3.13 uses the Cayley
+        form of each frame's rotation, which is singular at 180° and therefore already inaccurate
+        near home; the logarithm of the *relative* rotation is not.
 
         Parameters
         ----------
@@ -449,7 +446,7 @@ class NaturalOrthogonalComplement(Described):
     def constraint_jacobian(self, q: ArrayLike) -> Array:
         r"""Return the constraint Jacobian :math:`\Phi = \partial\phi/\partial q` (eq. 3.19).
 
-        It holds away from closure, too.
+        It is also correct if the loops are open.
 
         Its columns of the actuated joints are :math:`\Phi^a` (3.20), the others :math:`\Phi^u`
         (3.21). Pinocchio's own constraint Jacobian is minus this one at closure.
@@ -474,8 +471,8 @@ class NaturalOrthogonalComplement(Described):
         r"""Return the configurations that close the loops, by iteration from home (eq. 3.15).
 
         Newton's method on :meth:`constraint` with :meth:`constraint_jacobian`, in steps that keep
-        the assembly mode of home, the robot's ``q0`` (of the 3-PSP :math:`q^u_0 = [0, \dots, 0,
-        d, d, d]`: hinges straight, arms as long as the screws are off the axis).
+        the assembly mode of home, the robot's ``q0`` (for the 3-PSP :math:`q^u_0 = [0, \dots, 0, d,
+        d, d]`: hinges straight, and arm lengths equal to the distance of the screws from the axis).
 
         Parameters
         ----------
@@ -500,7 +497,7 @@ class NaturalOrthogonalComplement(Described):
         SingularConfiguration, MobilityMismatch
             If the actuated joints do not determine the others at home, or determine each other.
         """
-        # First of all, so that a home that is none is found without a pose, too.
+        # Home is checked first, so that a wrong one is also reported if there are no poses.
         _ = self._from_home
         return applied_to_rows(
             lambda row: self._found(row).q,
@@ -561,9 +558,9 @@ class NaturalOrthogonalComplement(Described):
 
         Column j of :math:`K_i = [A_i; B_i]` is :math:`[e_j; e_j \times r_j]` for a revolute joint,
         with :math:`r_j` from the joint to the body's center of mass, and :math:`[0; e_j]` for a
-        prismatic one, provided that the joint lies between the base and body i; else it is zero.
-        (Printed 3.29 has 0 in both parts for a prismatic joint, and nothing on the joints that do
-        not move body i; 3.30 splits the rows of K where the columns are meant.)
+        prismatic one, provided that the joint lies between the base and body i; otherwise it is
+        zero. (Printed eq. 3.29 has 0 in both parts for a prismatic joint, and does not mention
+        joints that do not move body i. Eq. 3.30 splits the rows of K instead of the columns.)
 
         Parameters
         ----------
@@ -593,7 +590,7 @@ class NaturalOrthogonalComplement(Described):
 
         .. math:: T = K^a - K^u (\Phi^u)^{-1} \Phi^a = K L \qquad (3.33, 3.32)
 
-        (The print of 3.33 agrees only if :math:`K^a, K^u` are columns of K.)
+        (Printed eq. 3.33 agrees only if :math:`K^a, K^u` are columns of K.)
 
         Parameters
         ----------
@@ -620,8 +617,8 @@ class NaturalOrthogonalComplement(Described):
             + K^u (\Phi^u)^{-1} \dot\Phi^u (\Phi^u)^{-1} \Phi^a
             - K^u (\Phi^u)^{-1} \dot\Phi^a
 
-        (Printed with :math:`\dot\Phi^a` in the third term, where the derivative of the inverse
-        gives :math:`\dot\Phi^u`.)
+        (The printed equation has :math:`\dot\Phi^a` in the third term, but the derivative of the
+        inverse gives :math:`\dot\Phi^u`.)
 
         Parameters
         ----------
@@ -646,7 +643,7 @@ class NaturalOrthogonalComplement(Described):
 
         Its blocks are :math:`M_i = \operatorname{diag}(R I_i R^T, m_i 1)`.
 
-        (Printed with :math:`I_i` as it is, which holds in the body's own axes only.)
+        (The printed equation has :math:`I_i`, which is correct only in the body's own axes.)
 
         Parameters
         ----------
@@ -681,7 +678,7 @@ class NaturalOrthogonalComplement(Described):
         -------
         (..., 6 r, 6 r) ndarray
             [rad/s]. It acts on the angular part only: the momentum of a center of mass does not
-            turn with the body.
+            rotate with the body.
 
         Raises
         ------
@@ -698,7 +695,8 @@ class NaturalOrthogonalComplement(Described):
     def w_g(self) -> Array:
         r"""Return the weights of the bodies as wrenches, :math:`w^g_i = [0; m_i g]` (eq. 3.36a).
 
-        (Printed as :math:`+m_i g` along z; with :math:`G = -T^T w^g` it must point down.)
+        (The printed equation has :math:`+m_i g` along z; with :math:`G = -T^T w^g` it must point
+        down.)
 
         Returns
         -------
@@ -794,8 +792,8 @@ class NaturalOrthogonalComplement(Described):
     ) -> tuple[Array, Array, Array]:
         """Return M, C and G at actuated positions and speeds.
 
-        So that a controller can be driven by the thesis's model. The loops are closed anew in every
-        call, see :meth:`configuration`.
+        So a controller can use the thesis's model. Every call closes the loops again, see
+        :meth:`configuration`.
 
         Parameters
         ----------
@@ -841,14 +839,14 @@ class NaturalOrthogonalComplement(Described):
         Parameters
         ----------
         positions, speeds, accelerations : (..., n) array_like
-            Motion of the actuated joints. Of a robot whose coordinates are not its motors, of the
-            coordinates; of fewer accelerations as :meth:`psp3.ClosedLoopRobot.actuator_forces`.
+            Motion of the actuated joints, or of the coordinates if these are not the motors. Fewer
+            accelerations are allowed as in :meth:`psp3.ClosedLoopRobot.actuator_forces`.
 
         Returns
         -------
         (..., n) ndarray
-            Forces [N], of hinges torques [N m]; those of the m motors, of least norm, where they
-            are not the coordinates.
+            Forces [N], or torques [N m] for hinges. If the motors are not the coordinates, these
+            are the forces of the m motors with the least norm.
 
         Raises
         ------

@@ -1,18 +1,17 @@
-r"""Loops closed as the thesis closes them (eq. 3.15): by iteration, starting at home.
+r"""Close loops as in the thesis (eq. 3.15): by iteration, starting at home.
 
-The actuated joints are taken from home to where they are wanted in short steps. Each step predicts
-the other joints with L (eq. 3.16) and corrects them by Newton's method,
+The actuated joints move from home to the wanted positions in short steps. Each step predicts the
+other joints with L (eq. 3.16) and corrects them with Newton's method,
 
 .. math:: q^u \leftarrow q^u - (\Phi^u)^{-1} \phi(q),
 
-so that the assembly mode stays that of home. The thesis does not say how it gets from home to its
-goal. One iteration without steps in between is enough for the 3-PSP, but of a Delta it finds other
+so that the assembly mode stays that of home. The thesis does not state the path from home to the
+goal. For the 3-PSP, an iteration without intermediate steps is enough. For a Delta it finds other
 assembly modes, or none.
 
-Nothing here is shared with the compiled closure of :mod:`psp3.closure` that
-:class:`psp3.ClosedLoopRobot` uses, nor with the closed form of the 3-PSP: constraints, Jacobian and
-complement are those that it is given. The natural orthogonal complement gives its own, and
-:mod:`psp3.dynamics.projected` those of Pinocchio.
+This module shares no code with the compiled closure that :class:`psp3.ClosedLoopRobot` uses, nor
+with the closed form of the 3-PSP. The caller provides constraints, Jacobian and complement: the
+natural orthogonal complement its own, and :mod:`psp3.dynamics.projected` those of Pinocchio.
 """
 
 from __future__ import annotations
@@ -29,41 +28,42 @@ from psp3.closure.rank import RANK_TOLERANCE
 from psp3.errors import ClosureFailed, InvalidValue, SingularConfiguration
 
 LONGEST_STEP = 0.25
-"""No joint is predicted to move by more than this in one step [m, rad]."""
+"""The largest predicted motion of a joint in one step [m, rad]."""
 
 LARGEST_CORRECTION = 0.3
-"""Newton's method may move a joint by this share of the step; more could be another assembly mode.
+"""The largest correction of a joint by Newton's method, as a share of the step. A larger one could
+lead to another assembly mode.
 """
 
 LARGEST_REPAIR = 1.0
-"""Home is none if its loops close only after a joint has moved by more than this [m, rad]."""
+"""Home is refused if a joint must move by more than this to close the loops [m, rad]."""
 
 ON_THE_WAY = 1e-7
-"""Residual with which the next step is taken [m, rad]; only the last closure is exact."""
+"""Residual at which the next step is taken [m, rad]; only the last closure is exact."""
 
 CLOSED = 1e-11
 """Residual that the last closure must reach [m, rad]; Newton's method usually ends at 1e-16."""
 
 LAST_CORRECTION = 1e-8
-"""Newton's method ends after a correction below this: it leaves the square of that, which is
-rounding [m, rad].
+"""Newton's method ends after a correction below this [m, rad]. The remaining error is its square,
+which is rounding.
 """
 
 LARGEST_SHARE = 10.0
-"""Elsewhere rounded loops may stay open by so many times what was found near home."""
+"""At other poses, rounded loops may stay open by this many times the residual near home."""
 
 MOST_CORRECTIONS = 25
-"""A predicted configuration that needs more corrections than this is not near a closed one."""
+"""If a predicted configuration needs more corrections than this, it is not near a closed one."""
 
 SHORTEST_STEP = 1e-6
-"""The way ends where this share of it is still too long a step."""
+"""The motion stops if a step must be shorter than this share of the way."""
 
 MOST_STEPS = 2000
-"""A way of more steps is none that a robot goes."""
+"""The largest number of steps. No motion of a robot needs more."""
 
 
 class Closed(NamedTuple):
-    """A closed configuration, and what was found on the way there."""
+    """A closed configuration, with the matrices that were computed there."""
 
     q: Array
     """Joint positions, (nq,)."""
@@ -76,7 +76,7 @@ class Closed(NamedTuple):
 
 
 class NewtonFromHome:
-    """Newton's method on given constraints, from home in short steps.
+    """Newton's method with given constraints, from home in short steps.
 
     Parameters
     ----------
@@ -87,15 +87,15 @@ class NewtonFromHome:
     home : (nq,) ndarray
         Configuration to start from (eq. 3.15). It need only nearly close the loops.
     constraint : callable
-        The residual of the loops, (m,), and its derivative, (m, nv), at a configuration (nq,). Away
-        from closure the derivative may be wrong by as much as the residual is off.
+        The residual of the loops, (m,), and its derivative, (m, nv), at a configuration (nq,). If
+        the loops are open, the error of the derivative may be as large as the residual.
     complement : callable
-        At a closed configuration, given with that derivative, L, (nv, n), and the inverse of the
-        derivative's un-actuated columns, (nv − n, m).
+        Returns L, (nv, n), and the inverse of the derivative's un-actuated columns, (nv − n, m),
+        from a closed configuration and the derivative there.
     dependent : (u,) ndarray of int, optional
-        Velocities of the joints that follow; all but the actuated ones by default.
+        Velocities of the dependent joints; all but the actuated ones by default.
     mismatch : float
-        Residual that rounded loops keep where they are closed best [m, rad].
+        Smallest residual of rounded loops [m, rad].
     may_float : bool
         Whether the last joint may be a floating base, which no loop contains.
     """
@@ -135,12 +135,12 @@ class NewtonFromHome:
     def closed(self, positions: Array) -> Closed:
         """Return the closed configuration at actuated positions (n,).
 
-        It is also the last one at which the constraint was asked for.
+        The last call of ``constraint`` was at this configuration.
 
         Raises
         ------
         ClosureFailed
-            If the way from home ends before: at the border of the workspace, or at a singularity.
+            If the way from home ends earlier, at the border of the workspace or at a singularity.
         """
         at, start = self._home, self._home.q[self._places]
         positions, base = positions[: len(start)], positions[len(start) :]
@@ -158,7 +158,7 @@ class NewtonFromHome:
                 break
             goal = 1.0 if done + step > 1.0 - 1e-12 else done + step
             predicted = pin.integrate(self._model, at.q, (goal - done) * velocity)
-            # Exactly the positions asked for, at the end.
+            # The end is copied, so that it has no rounding error.
             predicted[self._places] = positions if goal == 1.0 else start + goal * way
             found = self._next(at, predicted, (goal - done) * fastest, goal == 1.0)
             if found is None:
@@ -167,7 +167,7 @@ class NewtonFromHome:
             if goal == 1.0:
                 return found
             at, done, step = found, goal, 2.0 * (goal - done)
-        # How far apart the frames would be if only the motors went on.
+        # The residual if only the motors moved on.
         stretched = at.q.copy()
         stretched[self._places] = positions
         raise ClosureFailed(positions, _size(self._constraint(stretched)[0]), done)
@@ -183,17 +183,17 @@ class NewtonFromHome:
             complement, inverse = self._complement(q, jacobian)
         except SingularConfiguration:
             return None
-        # Beyond a fold, and on the other branch before it, the determinant has the other sign.
+        # The determinant has the other sign beyond a fold, and on the other branch before the fold.
         if np.linalg.det(at.inverse @ jacobian[:, self._dependent]) <= 0.0:
             return None
         return Closed(q, jacobian, complement, inverse)
 
     def _corrected(self, q: Array, exactly: bool) -> tuple[Array, float, float, Array]:
-        """Return where Newton's method leads, moving the un-actuated joints only.
+        """Return the configuration that Newton's method finds by moving un-actuated joints only.
 
-        With the residual there, how far a joint was moved in all, and the Jacobian there. It stops
-        where the residual is small enough to go on or, for an exact answer, where a correction is
-        small.
+        Also return the residual, the largest total motion of a joint, and the Jacobian. The
+        iteration stops if the residual is small enough for the next step or, for an exact answer,
+        if a correction is small.
         """
         residual, jacobian = self._constraint(q)
         moved = np.zeros(self._model.nv)
@@ -213,9 +213,9 @@ class NewtonFromHome:
 def _least_squares(slope: Array, residual: Array) -> Array:
     """Return the shortest x for which slope x is nearest to the residual.
 
-    By elimination; where that fails, or wants to move a joint by more than is allowed, by singular
-    values, of which the small ones are left out. (The normal equations lose digits, which the next
-    correction brings back.)
+    It is found by elimination. If that fails, or would move a joint by more than is allowed,
+    singular values are used and the small ones are omitted. (The normal equations lose digits,
+    which the next correction recovers.)
     """
     rows, columns = slope.shape
     if rows >= columns:

@@ -1,4 +1,4 @@
-r"""The tree's dynamics by Pinocchio's RNEA and CRBA, projected on the motions that the loops leave.
+r"""Dynamics of the tree by Pinocchio's RNEA and CRBA, projected onto motions with closed loops.
 
 With :math:`L` from Pinocchio's constraint Jacobian, :math:`\dot q = L \dot q^a`, and the drift
 :math:`\dot L \dot q^a` from the accelerations of the joined frames,
@@ -6,9 +6,9 @@ With :math:`L` from Pinocchio's constraint Jacobian, :math:`\dot q = L \dot q^a`
 .. math:: M = L^T M_\text{tree} L, \qquad G = L^T g_\text{tree}, \qquad
           \tau = L^T \operatorname{RNEA}(q, L \dot q^a, L \ddot q^a + \dot L \dot q^a).
 
-What every other computation of a robot is checked with, the natural orthogonal complement aside: it
-uses nothing compiled here. Loops are closed by :mod:`psp3.dynamics.newton_from_home`, with
-residuals and Jacobian from Pinocchio.
+The tests compare all other computations of a robot with this one and with the natural orthogonal
+complement, because it uses none of this package's compiled code.
+:mod:`psp3.dynamics.newton_from_home` closes the loops, with residuals and Jacobian from Pinocchio.
 """
 
 from __future__ import annotations
@@ -39,18 +39,18 @@ from psp3.errors import InvalidValue, NoFiniteAnswer
 class ProjectedDynamics(Described):
     r"""Projected RNEA and CRBA of a tree with loops, in actuated coordinates.
 
-    One object serves one thread at a time, because it computes in one ``data``.
+    Only one thread at a time may use an object, because it has a single ``data``.
 
     Parameters
     ----------
     robot : HasTree
-        A robot, or what else has a Pinocchio ``model``; loops, motors and home as
-        :class:`psp3.NaturalOrthogonalComplement` reads them. Motors are joints of one coordinate.
+        A robot, or any object with a Pinocchio ``model``. Loops, motors and home are read as in
+        :class:`psp3.NaturalOrthogonalComplement`. Motors are joints of one coordinate.
 
     Attributes
     ----------
     model, data : pinocchio.Model, pinocchio.Data
-        The tree, and where it is computed.
+        The tree, and its data.
     constraint_models : pinocchio.StdVec_RigidConstraintModel
         The loop closures.
     actuated : tuple of str
@@ -63,8 +63,8 @@ class ProjectedDynamics(Described):
         self._robot, self._mechanism = robot, Mechanism(robot)
         self.model = self._mechanism.model
         self.data = self.model.createData()
-        # Velocity forces are read off a copy without gravity: beside the weight they would lose
-        # half their digits.
+        # Velocity forces come from a copy without gravity, because next to the weight they would
+        # lose half of their digits.
         self._weightless = self.model.copy()
         self._weightless.gravity = pin.Motion.Zero()
         self.constraint_models = pin.StdVec_RigidConstraintModel()
@@ -72,7 +72,7 @@ class ProjectedDynamics(Described):
         self._constraint_data = pin.StdVec_RigidConstraintData()
         for loop in self.constraint_models:
             self._constraint_data.append(loop.createData())
-        # What a vector of Pinocchio yields is slow to make, so that it is made once.
+        # Items of a Pinocchio vector are slow to create, so they are created once.
         self._states = [self._constraint_data[i] for i in range(len(self._constraint_data))]
         self.actuated = self._mechanism.names
         self.actuated_v = self._mechanism.actuated
@@ -83,7 +83,7 @@ class ProjectedDynamics(Described):
         self._elements = JointElements(self.model, self._mechanism.springs)
         joints = [self.model.joints[self.model.getJointId(name)] for name in self.actuated]
         self._widths = sum(joint.nq for joint in joints), self.actuated_v.size
-        # Where subtrees are not contiguous, CRBA is silently wrong and RNEA is not.
+        # If subtrees are not contiguous, CRBA is silently wrong, but RNEA is right.
         self._crba_holds = bool(self.model.check(self.data))
         self._upper = np.triu(np.ones((self.model.nv, self.model.nv)))
         self._rest = np.zeros(self.model.nv)
@@ -98,10 +98,10 @@ class ProjectedDynamics(Described):
     # Closing the loops
 
     def _constraint(self, q: Array) -> tuple[Array, Array]:
-        """Return what Pinocchio's constraint Jacobian is the derivative of, and that Jacobian.
+        """Return Pinocchio's constraint Jacobian, and the function of which it is the derivative.
 
-        They are minus the residual and minus its derivative at closure; away from it the Jacobian
-        is not quite the derivative, which Newton's method does not mind.
+        If the loops are closed, they are minus the residual and minus its derivative. If they are
+        open, the Jacobian is only nearly the derivative, which is enough for Newton's method.
         """
         pin.computeJointJacobians(self.model, self.data, q)
         others, rows = self._more.at(self.data, q)
@@ -113,7 +113,7 @@ class ProjectedDynamics(Described):
         jacobian = pin.getConstraintsJacobian(
             self.model, self.data, self.constraint_models, self._constraint_data
         )
-        # Of a model with a single degree of freedom Pinocchio returns a vector.
+        # For a model with a single degree of freedom Pinocchio returns a vector.
         jacobian = jacobian.reshape(-1, self.model.nv)
         if not self._more.rows:
             return self._frames.opening(self._states), jacobian
@@ -121,7 +121,7 @@ class ProjectedDynamics(Described):
         return residual, np.concatenate([jacobian, rows])
 
     def _openings(self, q: Array, v: Array) -> Array:
-        """Return how all closures open, (m,), in the motion of which RNEA was just asked."""
+        """Return the opening accelerations of all closures, (m,), for the last RNEA call."""
         opening = self._frames.accelerations(self.data, self._states)
         if not self._more.rows:
             return opening
@@ -214,9 +214,9 @@ class ProjectedDynamics(Described):
         return ClosedPose(found.q, found.complement, lambda q: found.inverse)
 
     def drift(self, q: Array, v: Array) -> Array:
-        r"""Return the joint accelerations :math:`\dot L \dot q^a`, while the motors move uniformly.
+        r"""Return the joint accelerations :math:`\dot L \dot q^a` at constant motor speeds.
 
-        Of a closed configuration and joint velocities, (nv,), as
+        The arguments are a closed configuration and joint velocities, (nv,), as in
         :meth:`psp3.ClosedLoopRobot.drift`.
         """
         q, v = one_row("q", q, self.model.nq), one_row("v", v, self.model.nv)
@@ -235,10 +235,10 @@ class ProjectedDynamics(Described):
         return accelerations
 
     def _uniform(self, q: Array, velocities: Array) -> tuple[Array, Array]:
-        """Return what a tree does that moves at velocities (nv, k) with all joints uniform.
+        """Return forces and opening accelerations for constant joint velocities (nv, k).
 
-        The forces that this takes without gravity, (nv, k), and the accelerations with which the
-        loops open, (m, k).
+        These are the forces without gravity, (nv, k), and the accelerations with which the loops
+        open, (m, k).
         """
         count = velocities.shape[1]
         rows = self._frames.rows + self._more.rows
@@ -267,10 +267,10 @@ class ProjectedDynamics(Described):
     ) -> tuple[Array, Array, Array]:
         r"""Return mass matrix, Coriolis matrix and gravity in actuated coordinates.
 
-        As :meth:`psp3.ClosedLoopRobot.equation_of_motion`, by other ways: M and G are projected,
-        and the quadratic form :math:`h(v) = C(v)\,v`, projected from RNEA, gives the columns of C
-        by polarization, :math:`C(v) e_j = \tfrac12 [h(v + e_j) - h(v) - h(e_j)]`. Errors as in
-        :meth:`configuration`.
+        The results are those of :meth:`psp3.ClosedLoopRobot.equation_of_motion`, computed in
+        another way: M and G are projected, and the quadratic form :math:`h(v) = C(v)\,v`, projected
+        from RNEA, gives the columns of C by polarization, :math:`C(v) e_j = \tfrac12 [h(v + e_j) -
+        h(v) - h(e_j)]`. Errors as in :meth:`configuration`.
         """
         n = self.actuated_v.size
 
@@ -278,8 +278,8 @@ class ProjectedDynamics(Described):
             q, _, complement, inverse = self._closed(position)
             tree = self._tree_mass(q, complement)
             coriolis = np.zeros((n, n))
-            # The unit vectors are scaled to the speed: subtracting forms of very different size
-            # would lose digits.
+            # The unit vectors are scaled to the speed, because subtracting forms of very different
+            # size would lose digits.
             scale = float(np.abs(speed).max(initial=0.0))
             if scale > 0.0:
                 units = scale * np.eye(n)
@@ -348,9 +348,9 @@ class ProjectedDynamics(Described):
     def actuator_forces(
         self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
     ) -> Array:
-        """Return the forces of the motors for a motion, of least norm where motors are many.
+        """Return the motor forces for a motion, those with the least norm if there are many motors.
 
-        As :meth:`psp3.ClosedLoopRobot.actuator_forces`, also for fewer accelerations.
+        As in :meth:`psp3.ClosedLoopRobot.actuator_forces`, there may be fewer accelerations.
         """
         if self._mechanism.drives_coordinates:
             return self.inverse_dynamics(positions, speeds, accelerations)
@@ -400,7 +400,7 @@ class ProjectedDynamics(Described):
             raise InvalidValue(
                 "derivatives by robot.dynamics('pinocchio') of a robot with",
                 "couplings, hinges, held spins, springs, damping or rounded loops",
-                "a tree with exact closures at points or frames; those of the robot itself know "
+                "a tree with exact closures at points or frames; those of the robot itself cover "
                 "the rest",
             )
         found = self._map(
@@ -436,13 +436,14 @@ class ProjectedDynamics(Described):
     def constrained_accelerations(self, q: Array, v: Array, forces: Array) -> Array:
         """Return all joint accelerations of the tree under actuator forces.
 
-        From Pinocchio's ``constraintDynamics``, which is exact where the loops close exactly. Of a
-        redundant loop whose numbers are rounded it is not; :meth:`forward_dynamics` is.
+        They come from Pinocchio's ``constraintDynamics``, which is exact if the loops close
+        exactly. For a redundant loop with rounded numbers it is not exact, but
+        :meth:`forward_dynamics` is.
 
         Parameters
         ----------
         q : (nq,) ndarray
-            Configuration. Where it leaves the loops a little open, the constraint models' Baumgarte
+            Configuration. If it leaves the loops slightly open, the constraint models' Baumgarte
             gains close them again.
         v : (nv,) ndarray
             Joint velocities.
@@ -471,9 +472,9 @@ class ProjectedDynamics(Described):
 
 
 class ConstraintSolver:
-    """Pinocchio's ``constraintDynamics``, prepared once, with data that nothing else computes in.
+    """Pinocchio's ``constraintDynamics``, prepared once, with data for this use only.
 
-    Shared between algorithms of Pinocchio, constraint data would make results silently wrong.
+    If several Pinocchio algorithms shared the constraint data, results would be silently wrong.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-r"""Derivatives of inverse dynamics from Pinocchio's own of the tree and of the joined frames.
+r"""Derivatives of inverse dynamics, from Pinocchio's derivatives of the tree and of joined frames.
 
 With :math:`q` the configuration that closes the loops at the actuated positions :math:`a`, the
 equations of the whole robot are
@@ -9,9 +9,9 @@ equations of the whole robot are
     \operatorname{RNEA}(q, \dot q, \ddot q) + J(q)^T \lambda = S^T \tau,
 
 where :math:`J` is the constraint Jacobian, :math:`\gamma = J \ddot q + \dot J \dot q`,
-:math:`\lambda` are the forces in the loops and :math:`S` picks the actuated joints. All three are
-differentiated along motions that keep the loops closed, :math:`\delta q = L\, \delta a`, in
-Pinocchio's tangent coordinates, so that ball joints and free-flyers need no case of their own:
+:math:`\lambda` are the forces in the loops and :math:`S` selects the actuated joints. All three
+equations are differentiated along motions that keep the loops closed, :math:`\delta q = L\, \delta
+a`, in Pinocchio's tangent coordinates, so that ball joints and free flyers are not special cases:
 
 .. math::
 
@@ -23,8 +23,8 @@ Pinocchio's tangent coordinates, so that ball joints and free-flyers need no cas
     + \frac{\partial F}{\partial \dot q} \delta \dot q
     + M_\text{tree}\, \delta \ddot q \Big), \qquad F = \operatorname{RNEA} + J^T \lambda.
 
-The change of the complement :math:`L` never appears: :math:`L^T J^T = 0`, so with the loop forces
-among the external forces of RNEA it has done its work. Those derivatives are Pinocchio's (J.
+The change of the complement :math:`L` does not appear: :math:`L^T J^T = 0`, so it is accounted for
+by the loop forces among the external forces of RNEA. The derivatives of RNEA are Pinocchio's (J.
 Carpentier and N. Mansard, Analytical derivatives of rigid body dynamics algorithms, Robotics:
 Science and Systems, 2018); its ``computeConstraintDynamicsDerivatives``, which is wrong for some
 loops closed at a point, is not used.
@@ -48,14 +48,14 @@ class DrivenTree(Protocol):
     model: pin.Model
     """The tree."""
     data: pin.Data
-    """Where it is computed."""
+    """Pinocchio's data for the tree."""
     constraint_models: Sequence[Any]
     """The loop closures."""
     dependent_v: Indices
     """Places of the joints without motors in joint velocities."""
 
     def drift(self, q: Array, v: Array) -> Array:
-        """Return the joint accelerations (nv,) while the actuated joints move uniformly."""
+        """Return the joint accelerations (nv,) at constant speeds of the actuated joints."""
         ...
 
 
@@ -64,12 +64,12 @@ def projected_derivatives(
 ) -> Array:
     """Return the derivatives of the forces of one motion, (3, n, n).
 
-    By positions, by speeds and by accelerations.
+    They are the derivatives by positions, by speeds and by accelerations.
 
     Parameters
     ----------
     robot : DrivenTree
-        What is differentiated.
+        The robot.
     closure : ClosedPose
         Its pose.
     speed, acceleration : (n,) ndarray
@@ -79,7 +79,7 @@ def projected_derivatives(
     q, L, inverse = closure.configuration, closure.complement, closure.dependent_inverse
     v = L @ speed
     joint_accelerations = L @ acceleration + robot.drift(q, v)
-    # The loops supply what the un-actuated joints, which have no motors, need.
+    # The un-actuated joints have no motors, so the loops supply their forces.
     loop_forces = -inverse.T @ pin.rnea(model, data, q, v, joint_accelerations)[dependent]
 
     pin.computeForwardKinematicsDerivatives(model, data, q, v, joint_accelerations)
@@ -87,8 +87,8 @@ def projected_derivatives(
     velocity_by_q, acceleration_by_q, acceleration_by_v = _constraint_derivatives(loops, model.nv)
     external, turning = _external_forces(loops, loop_forces, model)
 
-    # What the loops make of the un-actuated joints' velocities and accelerations when only the
-    # actuated positions or speeds change.
+    # Changes of the un-actuated joints' velocities and accelerations when only the actuated
+    # positions or speeds change.
     velocities, by_positions, by_speeds = np.zeros((3, *L.shape))
     velocities[dependent] = -inverse @ velocity_by_q @ L
     by_positions[dependent] = -inverse @ (acceleration_by_q @ L + acceleration_by_v @ velocities)
@@ -109,7 +109,7 @@ def projected_derivatives(
 class _Frame:
     """One of the two frames that a loop joins.
 
-    Its motion in its own axes, with Pinocchio's derivatives of it.
+    It stores the motion in the frame's own axes, with Pinocchio's derivatives.
 
     Velocity and acceleration are spatial, (6,); their derivatives by q and by the joint velocities
     are (6, nv).
@@ -130,14 +130,14 @@ class _Frame:
     def whole(self) -> tuple[Array, Array, Array]:
         """Return the derivatives of the frame's velocity and acceleration, each (6, nv).
 
-        Of the velocity by q, and of the acceleration by q and by v.
+        They are those of the velocity by q, and of the acceleration by q and by v.
         """
         return self.velocity_by_q, self.acceleration_by_q, self.acceleration_by_v
 
     def point(self) -> tuple[Array, Array, Array]:
-        """Return the same of the origin alone, each (3, nv).
+        """Return the same for the origin alone, each (3, nv).
 
-        That is its velocity and classical acceleration, in axes that do not turn.
+        They are those of its velocity and classical acceleration, in axes that do not rotate.
         """
         by_q, by_v = self.acceleration_by_q, self.acceleration_by_v
         velocity, spin, turn = (
@@ -158,9 +158,9 @@ class _Frame:
 
 
 class _Loop:
-    """The two frames of a loop, the placement of the second in the first.
+    """The two frames of a loop, and the placement of the second in the first.
 
-    And whether only their origins coincide.
+    It also stores whether only their origins coincide.
     """
 
     def __init__(self, robot: DrivenTree, loop: Any) -> None:
@@ -173,7 +173,7 @@ class _Loop:
 def _constraint_derivatives(loops: list[_Loop], nv: int) -> tuple[Array, Array, Array]:
     """Return the derivatives of J q̇ and γ by q, and of γ by q̇, each (m, nv).
 
-    They hold along motions that keep the loops closed.
+    They are correct along motions that keep the loops closed.
     """
     velocity_by_q, acceleration_by_q, acceleration_by_v = ([np.zeros((0, nv))] for _ in range(3))
     for loop in loops:
@@ -181,7 +181,7 @@ def _constraint_derivatives(loops: list[_Loop], nv: int) -> tuple[Array, Array, 
         if loop.is_point:
             change, sides = loop.relative.rotation, (first.point(), second.point())
         else:
-            # The frames coincide and stay so: neither turns against the other.
+            # The frames coincide all the time, so they do not rotate relative to each other.
             change, sides = loop.relative.action, (first.whole(), second.whole())
         for rows, one, other in zip(
             (velocity_by_q, acceleration_by_q, acceleration_by_v), *sides, strict=True
@@ -197,7 +197,7 @@ def _constraint_derivatives(loops: list[_Loop], nv: int) -> tuple[Array, Array, 
 def _external_forces(loops: list[_Loop], loop_forces: Array, model: Any) -> tuple[Any, Array]:
     """Return the forces in the loops as external forces of RNEA.
 
-    Also what RNEA's derivative by q lacks of them, (nv, nv).
+    Also return the part of their derivative by q that RNEA's derivative lacks, (nv, nv).
     """
     external = [pin.Force.Zero() for _ in range(model.njoints)]
     turning = np.zeros((model.nv, model.nv))
@@ -209,8 +209,8 @@ def _external_forces(loops: list[_Loop], loop_forces: Array, model: Any) -> tupl
         external[first.joint] = external[first.joint] - first.in_joint.act(force)
         external[second.joint] = external[second.joint] + second.in_joint.act(reaction)
         if loop.is_point:
-            # RNEA's derivative holds both forces fast in their bodies, but around a point the
-            # bodies turn against each other.
+            # RNEA's derivative keeps both forces fixed in their bodies, but at a point closure the
+            # bodies rotate relative to each other.
             turn = loop.relative.rotation.T @ first.jacobian[3:] - second.jacobian[3:]
             turning += second.jacobian[:3].T @ pin.skew(reaction.linear) @ turn
         start += size

@@ -1,10 +1,10 @@
 r"""Base parameters of a robot.
 
-They are the combinations of masses and inertias that forces of actuators can tell, and no more.
+They are the combinations of masses and inertias that actuator forces determine.
 
-Columns of the regressor that depend on others join them. Which do is found numerically, from random
-motions (M. Gautier, Numerical calculation of the base inertial parameters of robots, Journal of
-Robotic Systems, 1991).
+Columns of the regressor that depend on others are combined with them. The dependencies are found
+numerically, from random motions (M. Gautier, Numerical calculation of the base inertial parameters
+of robots, Journal of Robotic Systems, 1991).
 """
 
 from __future__ import annotations
@@ -29,21 +29,22 @@ from psp3.identification.unknowns import Unknowns
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 UNREACHABLE = (ClosureFailed, JointLimitExceeded, SingularConfiguration, UnreachablePose)
-"""Errors that say that a robot cannot take a pose."""
+"""Errors that mean that a robot cannot take a pose."""
 
 
 @dataclass(frozen=True, eq=False)
 class BaseParameters:
     r"""Combinations :math:`\beta = K\, \pi` of unknowns on which the actuator forces depend.
 
-    These are :math:`\tau = Y_\beta\, \beta + Y \theta_0`.
+    The forces are :math:`\tau = Y_\beta\, \beta + Y \theta_0`.
 
     Parameters
     ----------
     unknowns : Unknowns
-        The p numbers that are combined.
+        The p unknowns that are combined.
     columns : (r,) ndarray of int
-        Which unknown opens each combination, with coefficient 1; no other combination has it.
+        The unknown that comes first in each combination, with coefficient 1; it is in no other
+        combination.
     grouping : (r, p) ndarray
         The matrix K.
     """
@@ -67,7 +68,7 @@ class BaseParameters:
 
     @property
     def undetermined(self) -> tuple[str, ...]:
-        """Names of the unknowns that enter no actuator force."""
+        """Names of the unknowns that do not affect any actuator force."""
         used = np.count_nonzero(self.grouping, axis=0)
         return tuple(
             name for name, count in zip(self.unknowns.names, used, strict=True) if not count
@@ -83,7 +84,7 @@ class BaseParameters:
     ) -> tuple[Array, Array]:
         r"""Return the matrix :math:`Y_\beta` (..., n, r) and known forces (..., n).
 
-        These are the forces of what is known already.
+        The latter are the forces of the known parameters.
 
         Arguments and errors are those of :func:`psp3.identification.regressor.regressor`.
         """
@@ -91,14 +92,14 @@ class BaseParameters:
         return full[..., self.columns], known
 
     def nearest(self, values: ArrayLike) -> Array:
-        r"""Return the unknowns nearest to what is believed that have the given base parameters.
+        r"""Return the unknowns with given base parameters that are nearest to the model's values.
 
         .. math:: \min_\pi \sum_j \Big( \frac{\pi_j - \hat\pi_j}{s_j} \Big)^2
                   \quad \text{subject to} \quad K\, \pi = \beta
 
-        The scale :math:`s_j` is :math:`|\hat\pi_j|`; where zero is believed, a thousandth of the
-        least that is not. So what the forces cannot tell apart is shared out in proportion to what
-        is believed: one of many choices that the forces allow.
+        The scale :math:`s_j` is :math:`|\hat\pi_j|`, or a thousandth of the smallest nonzero value
+        if :math:`\hat\pi_j` is zero. So a combination that the forces cannot resolve is divided in
+        proportion to the model's values, which is one of many choices that the forces allow.
 
         Parameters
         ----------
@@ -113,7 +114,7 @@ class BaseParameters:
         sizes = np.abs(believed)
         scales = np.where(sizes > 0.0, sizes, 1e-3 * np.min(sizes[sizes > 0.0], initial=1.0))
         change = one_row("values", values, len(self.columns)) - self.believed
-        # Rows are scaled too, since kg stand beside kg m².
+        # Rows are scaled, too, because they have different units, kg and kg m².
         rows = np.linalg.norm(self.grouping * scales, axis=1)
         scaled: Array = np.linalg.pinv(
             self.grouping * scales / rows[:, np.newaxis], rcond=1e-14
@@ -127,14 +128,14 @@ def base_parameters(unknowns: Unknowns, rng: np.random.Generator | None = None) 
     Parameters
     ----------
     unknowns : Unknowns
-        The numbers that are to be found.
+        The unknowns to identify.
     rng : numpy.random.Generator, optional
-        Source of the random motions; unless given, the same one at every call.
+        Source of the random motions; by default the same at every call.
 
     Returns
     -------
     BaseParameters
-        Unknowns stand for a combination in the order in which they are given.
+        The first unknown of each combination follows from the order of the unknowns.
 
     Raises
     ------
@@ -153,10 +154,11 @@ def base_parameters(unknowns: Unknowns, rng: np.random.Generator | None = None) 
 
 
 def independent_columns(matrix: Array) -> tuple[Indices, Array]:
-    r"""Return the first columns that are independent, and how all columns depend on them.
+    r"""Return the first independent columns, and the dependence of all columns on them.
 
-    With :math:`W_1` the r columns found, :math:`W = W_1 K`; in W, of shape (N, p), a column counts
-    as dependent if what the ones before it leave of it is less than 1e-9 of its length.
+    With :math:`W_1` the r independent columns, :math:`W = W_1 K`. A column of W, of shape (N, p),
+    counts as dependent if the part of it that is orthogonal to the columns before it is less than
+    1e-9 of its length.
 
     Returns
     -------
@@ -167,7 +169,7 @@ def independent_columns(matrix: Array) -> tuple[Indices, Array]:
     Raises
     ------
     UncertainRank
-        If the singular values say another rank.
+        If the singular values give another rank.
     """
     lengths = np.linalg.norm(matrix, axis=0)
     lengths[lengths <= RANK_TOLERANCE * lengths.max(initial=0.0)] = np.inf
@@ -176,7 +178,7 @@ def independent_columns(matrix: Array) -> tuple[Indices, Array]:
     columns: list[int] = []
     for j, column in enumerate(scaled.T):
         left = column
-        # a second time, because the first leaves rounding of the size of what is looked for
+        # a second time, because the first pass leaves rounding errors as large as the wanted part
         for _ in range(2):
             left = left - basis @ (basis.T @ left)
         size = float(np.linalg.norm(left))
@@ -197,7 +199,7 @@ def independent_columns(matrix: Array) -> tuple[Indices, Array]:
 def _random_motions(robot: ClosedLoopRobot, rng: np.random.Generator) -> Iterator[Array]:
     """Yield motions (3, n) at random poses that the robot can take.
 
-    Positions, speeds and accelerations.
+    A motion is positions, speeds and accelerations.
     """
     lower, upper = robot.limits
     reference, n = robot.reference, len(robot.actuated)
@@ -206,8 +208,8 @@ def _random_motions(robot: ClosedLoopRobot, rng: np.random.Generator) -> Iterato
         np.where(np.isfinite(upper), upper, reference + 1.0),
     )
     while True:
-        # Drawn toward the reference pose by a random share, since corners of the limits are seldom
-        # poses.
+        # Moved toward the reference pose by a random share, because the robot can seldom reach the
+        # corners of the limits.
         position = reference + rng.uniform() * (rng.uniform(lower, upper) - reference)
         try:
             robot.closure(position)
@@ -217,7 +219,7 @@ def _random_motions(robot: ClosedLoopRobot, rng: np.random.Generator) -> Iterato
 
 
 def _in_words(coefficients: Array, names: tuple[str, ...], first: int) -> str:
-    """Return a sum such as ``m(a1) + 0.5 m(b1)``, with the number that opens it first."""
+    """Return a sum such as ``m(a1) + 0.5 m(b1)``, in the order of the combination."""
     order = [first, *(j for j in range(len(names)) if coefficients[j] != 0.0 and j != first)]
     words = ""
     for j in order:

@@ -1,7 +1,7 @@
 r"""Exciting motions of a robot.
 
-They are periodic ones, within the limits of the joints, from which masses and inertias can be told
-best.
+They are periodic motions within the limits of the joints, from which masses and inertias can be
+identified best.
 
 The coefficients of a Fourier series are chosen so that the information matrix of the base
 parameters has the largest determinant (D-optimality: the smallest volume of the confidence
@@ -33,13 +33,13 @@ from psp3.trajectories.fourier_series import FourierSeries, fourier_terms
 from psp3.trajectories.trajectory import Trajectory
 
 UNINFORMATIVE = 1e6
-"""Value of the objective for motions that the robot cannot make, or from which some base parameter
-cannot be told at all.
+"""Value of the objective for motions that the robot cannot make, or that do not determine all base
+parameters.
 """
 
 
 SHARES = np.linspace(1.0, 0.5, 51)
-"""Shares of the amplitudes of the motion found that are tried until the robot can make it."""
+"""Factors for the amplitudes of the best motion, tried in order until the robot can make it."""
 
 
 class Information(NamedTuple):
@@ -57,7 +57,7 @@ class Information(NamedTuple):
 def information(
     base: BaseParameters, motion: Trajectory, t: ArrayLike, force_noise: ArrayLike = 1.0
 ) -> Information:
-    r"""Return how well base parameters can be told from samples of a motion.
+    r"""Return how well samples of a motion determine base parameters.
 
     .. math:: \log\det\big( Y^T \Sigma^{-1} Y \big), \qquad \operatorname{cond}(\Sigma^{-1/2} Y D)
 
@@ -75,8 +75,8 @@ def information(
     Returns
     -------
     Information
-        ``.log_determinant`` and ``.condition``, infinite where the samples do not determine all
-        base parameters.
+        ``.log_determinant`` and ``.condition``, infinite if the samples do not determine all base
+        parameters.
 
     Raises
     ------
@@ -126,19 +126,19 @@ def exciting_motion(
     steps: int = 15,
     rng: np.random.Generator | None = None,
 ) -> FourierSeries:
-    """Return a periodic motion from which base parameters can be estimated well.
+    """Return a periodic motion for a good estimate of base parameters.
 
     The best of some random series is improved by a quasi-Newton method (L-BFGS-B). Each actuated
-    joint keeps its limits at all times, not only at samples; otherwise all its amplitudes are
-    scaled down. Closely spaced samples are checked: the loops must close within the limits of the
-    other joints. The result is a good motion, but rarely the optimum.
+    joint stays within its limits at all times, not only at samples; if necessary, all its
+    amplitudes are scaled down. At closely spaced samples, the loops must close within the limits of
+    the other joints. The result is a good motion, but rarely the optimum.
 
     Parameters
     ----------
     base : BaseParameters
         What is to be found.
     largest_speed, largest_acceleration : float or (n,) array_like
-        Of the actuated joints [m/s, m/s² or rad/s, rad/s²].
+        Limits of the actuated joints [m/s, m/s² or rad/s, rad/s²].
     lower, upper : (n,) array_like, optional
         Range of the actuated joints [m or rad]; the limits of the robot by default.
     period : float
@@ -148,10 +148,10 @@ def exciting_motion(
     force_noise : float or (n,) array_like
         Standard deviation of the measured forces; only their ratios matter [N or N m].
     draws, steps : int
-        Number of random series, and most steps of the quasi-Newton method, each of which tries n (2
-        H + 1) series and some.
+        Number of random series, and largest number of steps of the quasi-Newton method, each of
+        which evaluates slightly more than n (2 H + 1) series.
     rng : numpy.random.Generator, optional
-        Source of the random series; unless given, the same one at every call.
+        Source of the random series; by default the same at every call.
 
     Returns
     -------
@@ -163,7 +163,7 @@ def exciting_motion(
     InvalidArray, InvalidValue
         If an argument is malformed, or the range of a joint is empty or unlimited.
     PoorExcitation
-        If no motion was found that the robot can make and that tells all base parameters.
+        If no motion was found that the robot can make and that determines all base parameters.
     """
     from scipy.optimize import minimize
 
@@ -181,9 +181,9 @@ def exciting_motion(
 
 
 class _Search:
-    """Series by their numbers (n + 2 H n,).
+    """The search for a series, which is given by numbers (n + 2 H n,).
 
-    Centers, then sines and cosines, all as shares of the half range of each joint.
+    The numbers are centers, then sines and cosines, all as shares of half the range of each joint.
     """
 
     def __init__(
@@ -201,8 +201,8 @@ class _Search:
         self._base, self._robot = base, base.unknowns.robot
         n = self._n = len(self._robot.actuated)
         limits = self._robot.limits
-        # Not finite_rows: limits of the robot may be infinite, which is refused with the joint's
-        # range.
+        # finite_rows is not used here, because limits of the robot may be infinite. The check of
+        # the joint's range refuses these.
         self._lower = limits[0] if lower is None else finite_rows("lower", lower, n)
         self._upper = limits[1] if upper is None else finite_rows("upper", upper, n)
         if not (np.isfinite(self._upper - self._lower).all() and (self._upper > self._lower).all()):
@@ -232,8 +232,8 @@ class _Search:
         points = 32 * harmonics
         self._close = np.arange(8 * points) * period / (8 * points)
         self._grid = fourier_terms(self._close[::8], period, harmonics)
-        # Between M points of a grid a trigonometric polynomial of degree H exceeds what it is on
-        # them by this factor at most (H. Ehlich and K. Zeller, Schwankung von Polynomen zwischen
+        # Between M points of a grid, a trigonometric polynomial of degree H exceeds its values on
+        # them at most by this factor (H. Ehlich and K. Zeller, Schwankung von Polynomen zwischen
         # Gitterpunkten, Mathematische Zeitschrift, 1964).
         self._beyond = 1.0 / np.cos(np.pi * harmonics / points)
         self._times = np.arange(4 * harmonics + 2) * period / (4 * harmonics + 2)
@@ -250,15 +250,15 @@ class _Search:
         for _ in range(30):
             if self.cost(shape) < UNINFORMATIVE:
                 break
-            # Toward the middle of the range, which is likelier to be a pose.
+            # Toward the middle of the range, which the robot can more probably reach.
             shape = 0.8 * shape
         return shape
 
     def motion(self, numbers: Array) -> FourierSeries:
-        """Return the series with its amplitudes reduced to what the limits allow."""
+        """Return the series with its amplitudes reduced to fit the limits."""
         half = 0.5 * (self._upper - self._lower)
         shares = numbers.reshape(-1, self._n)
-        # Not up to the ends of the range, where a joint could not move at all.
+        # The center must not be at the ends of the range, where a joint could not move at all.
         center = self._lower + half * (1.0 + 0.95 * np.tanh(shares[0]))
         amplitudes = half * shares[1:]
         limits = [np.minimum(self._upper - center, center - self._lower), *self._bounds]
@@ -287,7 +287,7 @@ class _Search:
     def makeable(self, numbers: Array) -> FourierSeries:
         """Return the series, made a little smaller if need be.
 
-        It is if the robot cannot make it between the samples of the search.
+        That is necessary if the robot cannot make it between the samples of the search.
         """
         if self.cost(numbers) == UNINFORMATIVE:
             raise PoorExcitation(

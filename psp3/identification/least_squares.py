@@ -1,10 +1,10 @@
 r"""Masses and inertias from measured positions and forces.
 
-Those of the actuated joints, with what they leave uncertain.
+The measurements are those of the actuated joints. Uncertainties of the results are estimated, too.
 
-Noisy positions of a periodic motion are replaced by the Fourier series through them, which can be
-differentiated; forces are then linear in the base parameters (C. G. Atkeson, C. H. An and J. M.
-Hollerbach, 1986; J. Swevers, C. Ganseman, D. B. Tükel, J. De Schutter and H. Van Brussel, 1997).
+A Fourier series is fitted to the noisy positions of a periodic motion and differentiated. The
+forces are then linear in the base parameters (C. G. Atkeson, C. H. An and J. M. Hollerbach, 1986;
+J. Swevers, C. Ganseman, D. B. Tükel, J. De Schutter and H. Van Brussel, 1997).
 """
 
 from __future__ import annotations
@@ -40,22 +40,22 @@ from psp3.trajectories.fourier_series import (
 from psp3.trajectories.motion import finite_times
 
 CONFIDENCE = 0.95
-"""Share of intervals that hold the true value."""
+"""Share of intervals that contain the true value."""
 
 REFINEMENTS = 3
-"""Times that the noise of each joint's force is estimated anew from the residuals; it changes
-little after the first.
+"""How often the noise of each joint's force is estimated again from the residuals; it changes
+little after the first time.
 """
 
 FALSE_WARNINGS = 0.01
-"""Share of identifications with independent noise that warn of correlated residuals."""
+"""Share of identifications with independent noise that falsely warn of correlated residuals."""
 
 ROUNDING = 1e-10
-"""Share of the largest force below which residuals are rounding, which is no noise."""
+"""Residuals below this share of the largest force are rounding, not noise."""
 
 SENSITIVITY_SAMPLES = 100
-"""Samples at which the effect of errors in position is computed; it varies as slowly as the motion
-does.
+"""Number of samples at which the effect of position errors is computed; it varies as slowly as the
+motion.
 """
 
 
@@ -73,7 +73,7 @@ class Identified(Described):
         Their covariance: that from noise of the forces plus that from noise of the positions, to
         first order.
     force_noise : (n,) ndarray
-        Standard deviation of what the estimates leave of each joint's measured force [N or N m].
+        Standard deviation of the residuals of each joint's measured force [N or N m].
     position_noise : (n,) ndarray
         Standard deviation of the measured positions about the fitted motion [m or rad].
     degrees_of_freedom : int
@@ -83,8 +83,8 @@ class Identified(Described):
     motion : FourierSeries
         The motion that was fitted to the measured positions.
     residual_correlation : (n,) ndarray
-        Correlation of each joint's residuals with those of the sample before. Standard errors and
-        intervals hold for independent noise, with which it is near zero.
+        Correlation of each joint's residuals with those of the preceding sample. Standard errors
+        and intervals are valid for independent noise, for which it is near zero.
     """
 
     base: BaseParameters
@@ -123,7 +123,7 @@ class Identified(Described):
 
     @property
     def unknowns(self) -> Array:
-        """The unknowns nearest to what was believed that have the estimated base parameters, (p,).
+        """The unknowns with the estimated base parameters that are nearest to the model's, (p,).
 
         See :meth:`BaseParameters.nearest`.
         """
@@ -131,9 +131,9 @@ class Identified(Described):
 
     @property
     def bodies(self) -> tuple[Body, ...]:
-        """The robot's bodies with these unknowns, each of which says whether it can exist.
+        """The robot's bodies with these unknowns; each tells whether it can exist.
 
-        Where one cannot, another choice of what the forces leave open may be one that can.
+        If one cannot, another choice of the undetermined combinations may be possible.
         """
         return bodies(self.base.unknowns.robot, self.base.unknowns.expand(self.unknowns))
 
@@ -149,7 +149,7 @@ def identify(
 ) -> Identified:
     r"""Return base parameters by weighted least squares.
 
-    From a measured periodic motion and the forces that made it.
+    The data are a measured periodic motion and the forces that caused it.
 
     .. math::
 
@@ -157,29 +157,29 @@ def identify(
         \operatorname{cov} \hat\beta = A + A Y^T \Sigma^{-1} J\, \Gamma\, J^T \Sigma^{-1} Y A, \quad
         A = (Y^T \Sigma^{-1} Y)^{-1}
 
-    with :math:`\tau_0` the forces of what is known, :math:`\Sigma` the noise of each joint's force,
-    estimated from the residuals, :math:`\Gamma` the covariance of the Fourier coefficients and
-    :math:`J` the derivative of the forces by them. Y itself is noisy, which makes an error of
-    second order in the position noise; it is not corrected for.
+    with :math:`\tau_0` the forces of the known parameters, :math:`\Sigma` the noise of each joint's
+    force, estimated from the residuals, :math:`\Gamma` the covariance of the Fourier coefficients
+    and :math:`J` the derivative of the forces by them. Y itself is noisy, which causes an error of
+    second order in the position noise; this error is not corrected.
 
     Parameters
     ----------
     base : BaseParameters
         What is to be found.
     t : (N,) array_like
-        Times of the measurements [s], when the motion is periodic already; best in equal steps over
-        whole periods.
+        Times of the measurements [s], after the motion has become periodic; equal steps over whole
+        periods are best.
     positions, forces : (N, n) array_like
-        Measured positions [m or rad] and forces [N or N m] of the actuated joints. Errors are taken
-        to be independent.
+        Measured positions [m or rad] and forces [N or N m] of the actuated joints. Errors are
+        assumed to be independent.
     period : float
         Time after which the motion repeats [s].
     harmonics : int
-        Number of harmonics of the motion. A controller that tracks badly adds some to those asked
-        for.
+        Number of harmonics of the motion. A controller that tracks badly adds harmonics to the
+        desired ones.
     held : float
-        Time for which each force was held from its sample on, as by a digital controller [s]: it
-        belongs to the motion half of that later.
+        Time for which each force was held constant after its sample, as a digital controller does
+        [s]. The force then corresponds to the motion half of this time later.
 
     Returns
     -------
@@ -190,17 +190,17 @@ def identify(
     InvalidArray, InvalidValue
         If an argument is malformed.
     PoorExcitation
-        If the measurements do not determine all base parameters, or not the motion.
+        If the measurements do not determine all base parameters, or do not determine the motion.
     ClosureFailed, JointLimitExceeded, SingularConfiguration, UnreachablePose
         If the robot cannot make the fitted motion.
 
     Warns
     -----
     CorrelatedResiduals
-        If neighboring residuals of a joint are correlated, in time order, beyond what independent
-        noise of forces and positions shows in 1 % of identifications. Of negative correlation
-        nothing is said: it makes intervals too wide, unless samples are hardly denser than the
-        harmonics.
+        If neighboring residuals of a joint in time order are more correlated than in 1 % of
+        identifications with independent noise of forces and positions. There is no warning about
+        negative correlation, which makes intervals too wide, unless samples are hardly denser than
+        the harmonics.
     """
     checked_kind("base", base, BaseParameters, "what base_parameters(unknowns) returns")
     period, held = checked_positive("period", period), checked_not_negative("held", held)
@@ -264,7 +264,7 @@ def _identified(
 def _warn_of_correlation(
     joints: Sequence[str], residuals: Array, regressors: Array, shared: Array
 ) -> None:
-    """Warn of the joint with the most significant correlation of its residuals in time order."""
+    """Warn about the joint with the most significant correlation of its residuals in time order."""
     from scipy.stats import norm
 
     deviations = np.array(
@@ -273,7 +273,7 @@ def _warn_of_correlation(
             for joint in range(len(joints))
         ]
     )
-    # One of n joints is to reach the limit as seldom as said.
+    # The probability that any of n joints exceeds the limit by chance is the given one.
     limit = float(norm.ppf((1.0 - FALSE_WARNINGS) ** (1.0 / len(joints))))
     worst = int(deviations.argmax())
     if deviations[worst] > limit:
@@ -290,9 +290,9 @@ def _warn_of_correlation(
 def _errors_of_motion(
     derivatives: Array, fitted: FittedSeries, times: Array, chosen: NDArray[np.int64]
 ) -> Array:
-    """Return what errors of the fitted motion do to each joint's force, (n, N, n (2 H + 1)).
+    """Return the effect of errors of the fitted motion on each joint's force, (n, N, n (2 H + 1)).
 
-    By independent errors of standard deviation 1, of every joint's coefficients.
+    The errors are independent errors of every joint's coefficients, with standard deviation 1.
     """
     by_time = np.argsort(times[chosen])
     nodes = times[chosen][by_time]
@@ -319,10 +319,10 @@ def _effects_of_coefficients(
 ) -> Array:
     r"""Return :math:`Y^T \Sigma^{-1} J`.
 
-    For the Fourier coefficients of each joint, (n, r, 2 H + 1).
+    The result is for the Fourier coefficients of each joint, (n, r, 2 H + 1).
     """
     terms = np.stack(fourier_terms(times[chosen], fitted.motion.period, fitted.motion.harmonics))
-    # Every sample that is chosen stands for those that are not.
+    # Every selected sample represents those that are not selected.
     weighted = regressors[chosen] / noise[:, np.newaxis] ** 2 * (len(times) / len(chosen))
     effects: Array = np.einsum("sir,djsi,dsk->jrk", weighted, derivatives, terms, optimize=True)
     return effects
@@ -333,13 +333,13 @@ def _derivatives_of_forces(
 ) -> Array:
     """Return the derivatives of the forces by position, speed and acceleration.
 
-    Of each joint, (3, n, S, n), by central differences.
+    They are those of each joint, (3, n, S, n), by central differences.
     """
     state = np.stack(motion.joints(times))
     n = state.shape[-1]
     travel = float(np.abs(state[0] - motion.center).max(initial=0.0))
-    # Forces are quadratic in speeds and linear in accelerations, so that differences of any size
-    # are exact there.
+    # Forces are quadratic in speeds and linear in accelerations, so differences of any size are
+    # exact for these.
     steps = (1e-4 * travel if travel > 0.0 else 1e-6, 1.0, 1.0)
     derivatives = np.empty((3, n, *state.shape[1:]))
     for order, step in enumerate(steps):
@@ -377,7 +377,7 @@ def _weighted_least_squares(regressors: Array, forces: Array) -> tuple[Array, Ar
         condition = float(sizes[0] / sizes[-1])
         values = (right.T / sizes) @ (left.T @ (forces / noise).ravel()) / lengths
         squares = np.sum((forces - regressors @ values) ** 2, axis=0)
-        # Fitting takes from each joint's residuals as many degrees of freedom as the joint gave to
+        # The fit reduces the degrees of freedom of each joint's residuals by the joint's share of
         # the estimates.
         taken = np.sum((left**2).reshape(-1, n, count), axis=(0, 2))
         if not (len(forces) - taken > 1e-6).all():

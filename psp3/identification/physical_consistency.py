@@ -1,9 +1,10 @@
-r"""Whether standard parameters are those of bodies that can exist.
+r"""Test whether standard parameters are those of bodies that can exist.
 
 A body of non-negative density has a positive semi-definite pseudo-inertia matrix, and only such
 bodies do (P. M. Wensing, S. Kim and J.-J. E. Slotine, Linear matrix inequalities for physically
-consistent inertial parameter identification, IEEE Robotics and Automation Letters, 2018). It says
-at once that the mass is not negative and that the principal moments obey the triangle inequality.
+consistent inertial parameter identification, IEEE Robotics and Automation Letters, 2018). This
+condition includes that the mass is not negative and that the principal moments obey the triangle
+inequality.
 """
 
 from __future__ import annotations
@@ -17,17 +18,17 @@ from psp3.checks import Array, checked_robot, one_row
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 ROUNDING = 1e-12
-"""Relative size of a negative number that counts as rounding of zero."""
+"""A negative number up to this relative size counts as a rounded zero."""
 
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A body as its ten standard parameters describe it.
+    """A body that is described by its ten standard parameters.
 
     Parameters
     ----------
     joint : str
-        The joint with which it moves.
+        The joint that carries it.
     mass : float
         Mass [kg].
     center : (3,) ndarray
@@ -35,7 +36,7 @@ class Body:
     moments : (3,) ndarray
         Principal moments of inertia about the center of mass, ascending [kg m²]; NaN without mass.
     flaws : tuple of str
-        What no body can have; empty if the body can exist.
+        Impossible properties; empty if the body can exist.
     """
 
     joint: str
@@ -51,9 +52,9 @@ class Body:
 
 
 def bodies(robot: ClosedLoopRobot, parameters: ArrayLike) -> tuple[Body, ...]:
-    r"""Return the bodies that standard parameters describe, and say of each whether it can exist.
+    r"""Return the bodies that standard parameters describe, and whether each can exist.
 
-    It can if
+    A body can exist if
 
     .. math:: \begin{bmatrix} \tfrac12 \operatorname{tr}(I)\, 1 - I & m c \\
               (m c)^T & m \end{bmatrix} \succeq 0
@@ -61,7 +62,7 @@ def bodies(robot: ClosedLoopRobot, parameters: ArrayLike) -> tuple[Body, ...]:
     Parameters
     ----------
     robot : ClosedLoopRobot
-        Whose bodies they are.
+        The robot of the bodies.
     parameters : (10 B,) array_like
         Standard parameters in the order of
         :func:`psp3.identification.regressor.standard_parameters`.
@@ -86,7 +87,8 @@ def bodies(robot: ClosedLoopRobot, parameters: ArrayLike) -> tuple[Body, ...]:
 def pseudo_inertia(parameters: Array) -> Array:
     """Return the pseudo-inertia matrix (4, 4) of ten standard parameters.
 
-    Second moments of density [kg m²], [kg m], [kg].
+    It contains the second moments of the density [kg m²], the first moments [kg m] and the mass
+    [kg].
     """
     mass, moment, inertia = parameters[0], parameters[1:4], _inertia(parameters)
     matrix = np.empty((4, 4))
@@ -115,7 +117,7 @@ def _body(joint: str, parameters: Array) -> Body:
     moments = np.asarray(np.linalg.eigvalsh(about_center), dtype=np.float64)
     if mass < 0.0:
         flaws.append("negative mass")
-    # Moments about the center are a difference of terms of this size.
+    # Moments about the center of mass are differences of terms of this size.
     allowed = ROUNDING * (np.abs(parameters[4:]).max() + abs(mass) * float(center @ center))
     if moments[0] < -allowed:
         flaws.append("negative moment of inertia")

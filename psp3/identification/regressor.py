@@ -1,11 +1,11 @@
 r"""Actuator forces are linear in masses, first moments and inertias.
 
-The regressor of a robot with loops, in its actuated coordinates.
+This module has the regressor of a robot with loops, in its actuated coordinates.
 
 The inverse dynamics of the tree is :math:`Y_\text{tree}(q, \dot q, \ddot q)\, \theta` (C. G.
 Atkeson, C. H. An and J. M. Hollerbach, Estimation of inertial parameters of manipulator loads and
-links, The International Journal of Robotics Research, 1986), and the loops project it as they do
-forces: :math:`Y = L^T Y_\text{tree}`.
+links, The International Journal of Robotics Research, 1986), and the loops project it in the same
+way as forces: :math:`Y = L^T Y_\text{tree}`.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ about the joint's origin [kg m²], both in the joint's axes.
 def regressor(
     robot: ClosedLoopRobot, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
 ) -> Array:
-    r"""Return the matrix that takes standard parameters to actuator forces.
+    r"""Return the matrix that maps standard parameters to actuator forces.
 
     .. math::
 
@@ -37,7 +37,8 @@ def regressor(
     Parameters
     ----------
     robot : ClosedLoopRobot
-        Any robot, with or without loops. Its masses and inertias do not matter, its gravity does.
+        Any robot, with or without loops. Its masses and inertias do not matter, but its gravity
+        does.
     positions, speeds, accelerations : (..., n) array_like
         Motion of the actuated joints [m, m/s, m/s² or rad, rad/s, rad/s²].
 
@@ -73,9 +74,9 @@ def regressor(
 def standard_parameters(robot: ClosedLoopRobot) -> Array:
     """Return the ten parameters of every body of a robot's tree, (10 B,).
 
-    Body by body, in the order of :data:`PARAMETERS_OF_A_BODY`.
+    They are listed body by body, in the order of :data:`PARAMETERS_OF_A_BODY`.
 
-    A body is what moves with a joint, so bodies come in the order of the model's joints.
+    There is one body per joint, so bodies are in the order of the model's joints.
     """
     checked_robot(robot)
     inertias = list(robot.model.inertias)[1:]

@@ -1,4 +1,4 @@
-"""Whether the residuals of a fit are independent from sample to sample."""
+"""Test whether the residuals of a fit are independent from sample to sample."""
 
 from __future__ import annotations
 
@@ -7,21 +7,21 @@ import numpy as np
 from psp3.checks import Array
 
 LEAST_FREEDOM = 5
-"""Degrees of freedom below which residuals tell nothing of their correlation."""
+"""With fewer degrees of freedom, residuals carry no information about their correlation."""
 
 
 def lag_one_correlation(residuals: Array) -> Array:
-    """Return the correlation of residuals with those of the sample before, by column.
+    """Return the correlation of residuals with those of the preceding sample, by column.
 
     Parameters
     ----------
     residuals : (N, n) ndarray
-        In time order; taken to be zero on average.
+        In time order; their mean is assumed to be zero.
 
     Returns
     -------
     (n,) ndarray
-        0 where all are zero.
+        The correlations; 0 if all residuals are zero.
     """
     squares = np.sum(residuals**2, axis=0)
     products = np.sum(residuals[1:] * residuals[:-1], axis=0)
@@ -30,38 +30,39 @@ def lag_one_correlation(residuals: Array) -> Array:
 
 
 def deviation_from_independence(residuals: Array, regressor: Array, shared: Array) -> float:
-    r"""Return how far neighboring residuals are correlated beyond what a fit does to noise.
+    r"""Return how far the correlation of neighboring residuals exceeds that of fitted noise.
 
     .. math:: r = \frac{e^T A e}{e^T e}, \qquad e \sim N(0, S), \quad
               S = \sigma^2 P + P K K^T P, \quad P = I - Q Q^T
 
-    with Q an orthonormal basis of the regressor's columns, K what all samples share, and A one half
-    beside its diagonal, so that r is the correlation at lag one. Its moments are
+    with Q an orthonormal basis of the regressor's columns, K the effects of errors that all samples
+    share, and A a matrix with one half next to its diagonal, so that r is the correlation at lag
+    one. Its moments are
 
     .. math:: \operatorname{E} r \approx \rho = \frac{\operatorname{tr} A S}{\operatorname{tr} S},
               \qquad \operatorname{var} r \approx 2\, \frac{\operatorname{tr} (A S)^2
               - 2 \rho \operatorname{tr} A S^2 + \rho^2 \operatorname{tr} S^2}
               {(\operatorname{tr} S)^2 + 2 \operatorname{tr} S^2},
 
-    exact where K is zero. Where it is not, they are those of first order, with which r - E r is
-    rather too small.
+    which are exact if K is zero. Otherwise they are first-order approximations, for which r - E r
+    tends to be too small.
 
     Parameters
     ----------
     residuals : (N,) ndarray
-        In time order. The regressor is projected out of them first, so it does not matter how much
-        of it a fit with weights has left.
+        In time order. The regressor is projected out first, so components of it that a weighted fit
+        has left do not matter.
     regressor : (N, k) ndarray
-        What was fitted.
+        The fitted regressor.
     shared : (N, q) ndarray
-        K, the effects of q independent errors of standard deviation 1, such as those of the
-        fitted motion: noise that is known to be correlated and no flaw.
+        K, the effects of q independent errors of standard deviation 1, such as those of the fitted
+        motion: noise that is correlated without a flaw in the model.
 
     Returns
     -------
     float
-        (r - E r) / sqrt(var r), near to standard normal if the noise is independent; 0 if fewer
-        than five degrees of freedom are left.
+        (r - E r) / sqrt(var r), which has nearly a standard normal distribution if the noise is
+        independent; 0 if fewer than five degrees of freedom remain.
 
     Notes
     -----
@@ -77,8 +78,8 @@ def deviation_from_independence(residuals: Array, regressor: Array, shared: Arra
     common = shared - basis @ (basis.T @ shared)
     beside_basis, beside_common = _beside(basis), _beside(common)
     inner, outer, gram = basis.T @ beside_basis, common.T @ beside_common, common.T @ common
-    # The noise of each sample is best read where shared errors are not; if they are everywhere,
-    # from what they do not explain on average.
+    # The noise of a sample is best estimated outside the space of shared errors. If they fill the
+    # space, it is estimated from the part that they do not explain on average.
     of_shared = _basis(common)
     alone = remaining - of_shared @ (of_shared.T @ remaining)
     free = freedom - of_shared.shape[1]
@@ -105,7 +106,7 @@ def deviation_from_independence(residuals: Array, regressor: Array, shared: Arra
 
 
 def _basis(columns: Array) -> Array:
-    """Return an orthonormal basis of what columns span, whatever their units."""
+    """Return an orthonormal basis of the span of columns, independent of their units."""
     lengths = np.linalg.norm(columns, axis=0)
     left, sizes, _ = np.linalg.svd(
         columns / np.where(lengths > 0.0, lengths, 1.0), full_matrices=False
@@ -114,7 +115,7 @@ def _basis(columns: Array) -> Array:
 
 
 def _beside(columns: Array) -> Array:
-    """Return A times columns: half the sum of the rows before and after each."""
+    """Return A times columns: half the sum of the rows before and after each row."""
     result = np.zeros_like(columns)
     result[1:] += 0.5 * columns[:-1]
     result[:-1] += 0.5 * columns[1:]

@@ -1,9 +1,10 @@
-r"""The unknowns of an identification: which numbers of a robot are estimated.
+r"""The unknowns of an identification: the numbers of a robot that are estimated.
 
-All standard parameters of its bodies, those of equal bodies once, or those of Table 3.1.
+They can be all standard parameters of its bodies, those of equal bodies once, or those of Table
+3.1.
 
-Unknowns :math:`\pi` are numbers on which the standard parameters depend linearly,
-:math:`\theta = S\, \pi + \theta_0`, where :math:`\theta_0` holds what is known already.
+The standard parameters depend linearly on the unknowns :math:`\pi`, :math:`\theta = S\, \pi +
+\theta_0`, where :math:`\theta_0` holds the known part.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 @dataclass(frozen=True, eq=False)
 class Unknowns:
-    r"""Numbers :math:`\pi` that are to be found, and what the robot's model believes of them.
+    r"""Numbers :math:`\pi` to identify, with the values in the robot's model.
 
     Parameters
     ----------
@@ -38,7 +39,7 @@ class Unknowns:
     expansion : (10 B, p) ndarray
         The matrix S, see :func:`psp3.identification.regressor.standard_parameters`.
     believed : (p,) ndarray
-        The values that the model has.
+        The values in the model.
     known : (10 B,) ndarray
         The part :math:`\theta_0` of the standard parameters that is known.
     """
@@ -54,7 +55,7 @@ class Unknowns:
     ) -> tuple[Array, Array]:
         r"""Return the matrix :math:`Y S` (..., n, p) and :math:`Y \theta_0` (..., n).
 
-        The first leads from unknowns to actuator forces, the second is those of the rest.
+        The first maps unknowns to actuator forces; the second is the forces of the known part.
 
         Arguments and errors are those of :func:`psp3.identification.regressor.regressor`.
         """
@@ -67,10 +68,10 @@ class Unknowns:
         return standard
 
     def without(self, names: Sequence[str]) -> Unknowns:
-        """Return the same unknowns but some, which are taken to be what is believed.
+        """Return the unknowns without some, which keep their values in the model.
 
-        What a feasible motion hardly tells is better taken from a drawing: it would only blur the
-        rest.
+        A parameter that feasible motions hardly determine is better taken from a drawing, because
+        it would only make the other estimates less accurate.
 
         Raises
         ------
@@ -91,8 +92,8 @@ class Unknowns:
 def all_parameters(robot: ClosedLoopRobot) -> Unknowns:
     """Return all ten standard parameters of every body as unknowns, masses last.
 
-    So a mass that acts like a point on a moment joins that moment's combination, and not the other
-    way round.
+    Because masses are last, a mass that acts like a point mass on a moment joins the combination of
+    that moment, and not the other way round.
     """
     names = parameter_names(robot)
     return _masses_last(
@@ -114,8 +115,8 @@ def equal_bodies(robot: ClosedLoopRobot, groups: Sequence[Sequence[str]]) -> Unk
     Returns
     -------
     Unknowns
-        Named after the first body of each group, masses last; what is believed is the mean over the
-        group.
+        Named after the first body of each group, masses last; the model's values are the means over
+        the groups.
 
     Raises
     ------
@@ -148,7 +149,7 @@ def equal_bodies(robot: ClosedLoopRobot, groups: Sequence[Sequence[str]]) -> Unk
 
 
 def _masses_last(unknowns: Unknowns) -> Unknowns:
-    """Return unknowns that are ten for each body with the masses moved to the end."""
+    """Return ten unknowns for each body with the masses moved to the end."""
     order = np.argsort(
         np.arange(len(unknowns.names)) % len(PARAMETERS_OF_A_BODY) == 0, kind="stable"
     )

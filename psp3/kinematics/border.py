@@ -1,4 +1,4 @@
-"""The border of a workspace, traced along the edges of the region where poses are usable."""
+"""Trace the border of a workspace along the edges of the region with usable poses."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from psp3.checks import Array, finite_rows
 from psp3.kinematics.pose_map import KinematicMap, Status
 
 EDGE_ACCURACY = 1e-3
-"""Share of a grid's edge to which a border is found on it; what is left is small beside the
-border's bend from one edge to the next.
+"""Accuracy of a border point on an edge of the grid, as a share of the edge. The error is small
+compared with that of straight lines between the points.
 """
 
 
 class Boundary(NamedTuple):
     """Border of a region of a map.
 
-    ``segments`` (N, 2, 2) are pairs of points on it, and ``area`` is what is inside, in the units
-    of the grid.
+    ``segments`` (N, 2, 2) are pairs of points on the border, and ``area`` is the area inside, in
+    the units of the grid.
     """
 
     segments: Array
@@ -30,7 +30,7 @@ class Boundary(NamedTuple):
     def distance(self, points: ArrayLike) -> Array:
         """Return the distance of points (..., 2) from the border, (...,), in the units of the grid.
 
-        Infinite if there is none.
+        It is infinite if there is no border.
 
         Raises
         ------
@@ -49,8 +49,8 @@ class Boundary(NamedTuple):
 
 
 AlongEdge = Callable[[Array, Array, Array], float]
-"""From a point of the grid, a way to its neighbor, and the configuration at the point: share of the
-way that has the status.
+"""Function of a point of the grid, the vector to its neighbor, and the configuration at the point.
+It returns the share of the vector along which poses have the status.
 """
 
 
@@ -62,9 +62,9 @@ class Tracer:
     poses : KinematicMap
         The map, over two coordinates.
     at_least : Status
-        The region is where poses have this status or a better one.
+        The poses in the region have this status or a better one.
     along : callable
-        Goes from a node inside along an edge and returns the share of it that is inside, see
+        Follows an edge from a node inside and returns the share of it that is inside, see
         :data:`AlongEdge`.
     """
 
@@ -99,7 +99,8 @@ class Tracer:
                         )
                 x, y = np.array(outline).T
                 area += 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
-                # From where the outline leaves the region to where it comes back.
+                # Join the point where the outline leaves the region with the point where it
+                # returns.
                 for number, (place, leaves) in enumerate(crossed):
                     if leaves:
                         back = crossed[(number + 1) % len(crossed)][0]
@@ -110,7 +111,7 @@ class Tracer:
         return np.array([self._axes[0][node[0]], self._axes[1][node[1]]])
 
     def _crossing(self, inner: tuple[int, int], outer: tuple[int, int]) -> Array:
-        """Return where the edge from a node inside to one outside crosses the border."""
+        """Return the point where the edge from a node inside to one outside crosses the border."""
         if (inner, outer) not in self._crossings:
             self._crossings[inner, outer] = self._found(inner, outer)
         return self._crossings[inner, outer]

@@ -1,4 +1,4 @@
-"""Motion of a point or a frame of a robot: place, velocity and acceleration."""
+"""Motion of a point or a frame of a robot: placement, velocity and acceleration."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from psp3.robots.closed_loop_robot import ClosedLoopRobot
 class FrameMotion(NamedTuple):
     """Motion of a frame in base axes.
 
-    ``placement`` (..., 4, 4), a homogeneous transform: rotation, and position [m]; ``velocity``
-    (..., 6), of the origin [m/s], then angular [rad/s]; ``acceleration`` (..., 6), of the origin
-    [m/s²], then angular [rad/s²].
+    ``placement`` (..., 4, 4) is a homogeneous transform: rotation and position [m]. ``velocity``
+    (..., 6) is that of the origin [m/s], then the angular velocity [rad/s]. ``acceleration`` (...,
+    6) is that of the origin [m/s²], then the angular acceleration [rad/s²].
     """
 
     placement: Array
@@ -31,14 +31,14 @@ def point_motion(
     velocity: ArrayLike = (0.0, 0.0, 0.0),
     acceleration: ArrayLike = (0.0, 0.0, 0.0),
 ) -> FrameMotion:
-    """Return the motion of a frame that does not turn.
+    """Return the motion of a frame that does not rotate.
 
-    It is wanted of a tool whose orientation does not matter.
+    It can be the desired motion of a tool whose orientation does not matter.
 
     Parameters
     ----------
     position, velocity, acceleration : (..., 3) array_like
-        Of the origin, in base axes [m], [m/s], [m/s²]; at rest by default.
+        Motion of the origin in base axes [m], [m/s], [m/s²]; at rest by default.
 
     Returns
     -------
@@ -71,17 +71,17 @@ def frame_motion(
     accelerations: ArrayLike,
     frame: str = "tip",
 ) -> FrameMotion:
-    r"""Return how a frame moves while the actuated joints do.
+    r"""Return the motion of a frame for a motion of the actuated joints.
 
-    That is :math:`\dot x = J \dot a` and :math:`\ddot x = J \ddot a + \dot J \dot a`.
+    It is :math:`\dot x = J \dot a` and :math:`\ddot x = J \ddot a + \dot J \dot a`.
 
     Parameters
     ----------
     robot : ClosedLoopRobot
         The robot.
     positions, speeds, accelerations : (..., n) array_like
-        Motion of the coordinates, which are the actuated joints as a rule [m or rad, per s, per
-        s²]; positions (..., p).
+        Motion of the coordinates, which usually are the actuated joints [m or rad, per s, per s²];
+        positions (..., p).
     frame : str
         Name of a frame of the model.
 
@@ -95,7 +95,7 @@ def frame_motion(
     InvalidArray, UnknownName
         If an argument is malformed, or the model has no such frame.
     ClosureFailed, JointLimitExceeded, SingularConfiguration
-        If a pose cannot be taken, or the actuated joints do not determine the others there.
+        If a pose is unreachable, or the actuated joints do not determine the others there.
     """
     checked_robot(robot)
     index, n = frame_number(robot.model, frame), len(robot.coordinates_v)
@@ -128,10 +128,10 @@ def motion_and_jacobian(
     motion = FrameMotion(
         pin.updateFramePlacement(model, data, index).homogeneous,
         pin.getFrameVelocity(model, data, index, base).vector,
-        # Classical: the second derivative of the origin's position. The spatial one lacks its
-        # centripetal part.
+        # The classical acceleration is the second derivative of the origin's position. The spatial
+        # acceleration lacks the centripetal part.
         pin.getFrameClassicalAcceleration(model, data, index, base).vector,
     )
-    # Of a model with a single degree of freedom Pinocchio returns a vector.
+    # For a model with a single degree of freedom Pinocchio returns a vector.
     whole = pin.computeFrameJacobian(model, data, q, index, base).reshape(6, model.nv)
     return motion, np.asarray(whole @ closure.complement)

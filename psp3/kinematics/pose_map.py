@@ -1,9 +1,10 @@
 """A map of a robot's poses.
 
-What each is good for and how far it is from limits and singularities, with a file format of its
-own.
+The map has the status of each pose and its distance from limits and singularities. It can be saved
+to a file.
 
-:class:`psp3.kinematics.workspace.Workspace` makes them, :mod:`psp3.plots.workspace` draws them.
+:class:`psp3.kinematics.workspace.Workspace` creates maps, and :mod:`psp3.plots.workspace` draws
+them.
 """
 
 from __future__ import annotations
@@ -28,13 +29,13 @@ from psp3.kinematics.singularities import Measures
 from psp3.kinematics.tasks import checked_task
 
 FORMAT = "psp3 map 1"
-"""Tag by which a file says what it is."""
+"""Tag that identifies the file format."""
 
 COORDINATES = ("task", "actuators")
-"""What a workspace can be seen over."""
+"""The kinds of coordinates over which a workspace can be mapped."""
 
 VECTORS = ("configuration", "position")
-"""Fields of a map that hold several numbers for a pose."""
+"""Fields of a map that hold several numbers per pose."""
 
 
 RANGES = {
@@ -52,37 +53,35 @@ RANGES = {
     "assembly": (-1.0, 1.0),
     "mobility": (0.0, 1e9),
 }
-"""What the numbers of a map can be."""
+"""The allowed range of the numbers in each field of a map."""
 
 ALWAYS = ("status", "margin", *VECTORS, "constraint", "actuation", "assembly", "mobility")
-"""Fields that have a value wherever there is a pose."""
+"""Fields that have a value for every reachable pose."""
 
 WHOLE = ("status", "orientation", "assembly", "mobility")
 """Fields of whole numbers."""
 
 
 class Status(IntEnum):
-    """What a pose is good for, from nothing to everything."""
+    """The status of a pose, from unreachable to usable."""
 
     UNREACHABLE = 0
     """The loops cannot be closed."""
     BEYOND_LIMIT = 1
     """A joint, actuated or not, would be beyond its limits."""
     SINGULAR = 2
-    """In a singularity, or closer to one than asked for."""
+    """At a singularity, or closer to one than allowed."""
     APART = 3
-    """Nothing is wrong with the pose, but singularities or limits lie between it and the usable
-    ones.
-    """
+    """The pose itself is good, but singularities or limits separate it from the usable poses."""
     USABLE = 4
-    """None of that; usable poses are connected with each other."""
+    """None of these; usable poses are connected with each other."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class KinematicMap(Described):
     """A robot's poses over a grid.
 
-    Each array has the grid's dimensions first; where a pose is unreachable, numbers are NaN.
+    The first dimensions of each array are those of the grid. Numbers of unreachable poses are NaN.
 
     Parameters
     ----------
@@ -91,10 +90,10 @@ class KinematicMap(Described):
     task : tuple of str
         Coordinates of the frame's velocity that matter.
     over : {"task", "actuators"}
-        What the coordinates of the grid are.
+        The kind of the grid's coordinates.
     grid : dict
-        Values of each coordinate, ascending [m or rad]; their order is that of the arrays'
-        dimensions.
+        Ascending values of each coordinate [m or rad]; the order of the coordinates is that of the
+        arrays' dimensions.
     held : dict
         Values of the coordinates that do not vary [m or rad].
     units : dict
@@ -109,10 +108,10 @@ class KinematicMap(Described):
     configuration : (..., nq) ndarray
         Pinocchio configurations.
     position : (..., 3) ndarray
-        Place of the frame in base axes [m].
+        Position of the frame in base axes [m].
     margin : (...,) ndarray
-        Distance of the joint that is nearest to one of its limits, negative beyond; of a hinge the
-        arc at the characteristic length [m]. Infinite without limits.
+        Distance to its limit of the joint that is nearest to one, negative beyond the limit; for a
+        hinge, the arc at the characteristic length [m]. Infinite without limits.
     measures : Measures
         See :class:`psp3.kinematics.singularities.Measures`.
     """
@@ -148,33 +147,33 @@ class KinematicMap(Described):
                 raise InvalidArray(name, f"{shape}, that of the grid,", array)
 
     def arrays(self) -> dict[str, Array]:
-        """Return all arrays by their names, the measures among them."""
+        """Return all arrays by name, including the measures."""
         mine = {name: getattr(self, name) for name in ("status", "margin", *VECTORS)}
         return mine | self.measures._asdict()
 
     @property
     def reachable(self) -> NDArray[np.bool_]:
-        """Where the loops can be closed, (...,) of bool."""
+        """Whether the loops can be closed, (...,) of bool."""
         return self.status > Status.UNREACHABLE
 
     @property
     def usable(self) -> NDArray[np.bool_]:
-        """Where a pose is good: within limits, and neither near nor behind a singularity.
+        """Whether a pose is usable: within limits, and neither near nor behind a singularity.
 
-        (...,) of bool; away from singularities and not cut off by them.
+        An array (...,) of bool.
         """
         usable: NDArray[np.bool_] = self.status == Status.USABLE
         return usable
 
     def save(self, path: str | Path) -> Path:
-        """Write the map as JSON; numbers come back bit for bit.
+        """Write the map as JSON; :meth:`load` recovers all bits of the numbers.
 
         Raises
         ------
         InvalidValue
-            If it is no path.
+            If the path is neither text nor a path.
         fuzzy2.errors.FileNotWritten
-            If the file cannot be written; what was there before remains.
+            If the file cannot be written; an existing file then remains.
         """
         target = checked_path("path", path)
         content = {
@@ -202,14 +201,14 @@ class KinematicMap(Described):
         path : path
             The file.
         largest : int
-            Bytes that it may have.
+            Largest allowed size [bytes].
 
         Raises
         ------
         InvalidValue
-            If it is no path.
+            If the path is neither text nor a path.
         InvalidMapFile
-            If the file is missing, larger than asked for, or not a whole map of this version.
+            If the file is missing, too large, or not a complete map of this version.
         """
         path = checked_path("path", path)
         try:
@@ -222,7 +221,7 @@ class KinematicMap(Described):
 
 
 def _written(array: Array) -> list[Any]:
-    """Return the numbers of an array in a row; NaN as null, infinity as a word."""
+    """Return the numbers of an array as a list; NaN becomes null, infinity a word."""
     return [
         None if math.isnan(value) else value if math.isfinite(value) else str(value)
         for value in array.ravel().tolist()
@@ -230,7 +229,7 @@ def _written(array: Array) -> list[Any]:
 
 
 class _Reader:
-    """Checks the content of a file piece by piece, and names the first that is wrong."""
+    """Checks the content of a file piece by piece, and names the first wrong piece."""
 
     def __init__(self, path: str | Path) -> None:
         self._path = path
@@ -377,7 +376,7 @@ class _Reader:
             values = arrays[name].reshape(*shape, -1)
             if not ((values >= least) & (values <= most) | np.isnan(values)).all():
                 self._refuse(f"has {name} outside {least:g} to {most:g}")
-            # In a constraint singularity there are measures that have no value.
+            # At a constraint singularity some measures have no value.
             if (np.isfinite(values[~reached]).any() and name != "status") or (
                 name in ALWAYS and np.isnan(values[reached]).any()
             ):

@@ -1,32 +1,32 @@
-r"""Singularities of any robot with loops: what kind, how far away, and what moves there.
+r"""Singularities of any robot with loops: their kind, their distance, and the motions there.
 
 The joint velocities that keep the loops closed are those in the null space of the constraint
-Jacobian :math:`\Phi(q)`. With N an orthonormal basis of it, :math:`\dot q = N w`, two maps lead
-out: one to the motors, :math:`N_a`, the rows of N of their joints, or what a tendon makes of them,
-and one to the chosen rows of a frame's velocity,
+Jacobian :math:`\Phi(q)`. With N an orthonormal basis of it and :math:`\dot q = N w`, there are two
+maps: one to the motors, :math:`N_a`, which is the rows of N of their joints (or their combination
+for a tendon), and one to the chosen rows of a frame's velocity,
 
 .. math:: \Phi N = 0, \qquad \dot q^a = N_a w, \qquad \dot x = T w, \quad T = J_\text{tree} N .
 
-Where :math:`N_a` is invertible, :math:`\dot x = J \dot q^a` with :math:`J = T N_a^{-1}`, of more
-motors than coordinates the pseudo-inverse; eliminating w gives :math:`A \dot x = B \dot q^a`, with
-:math:`\det A` proportional to :math:`\det N_a` and :math:`\det B` to :math:`\det T`. Three things
-can go wrong:
+If :math:`N_a` is invertible, :math:`\dot x = J \dot q^a` with :math:`J = T N_a^{-1}` (the
+pseudo-inverse if there are more motors than coordinates). Eliminating w gives :math:`A \dot x = B
+\dot q^a`, with :math:`\det A` proportional to :math:`\det N_a` and :math:`\det B` to :math:`\det
+T`. There are three kinds of singularities:
 
-* ``actuation``, also called parallel or of the second type: :math:`N_a` loses rank, which is to say
-  that the un-actuated columns :math:`\Phi^u` do. The robot can move with its motors locked, and
-  there are forces that the motors cannot hold.
-* ``end_effector``, also called serial or of the first type: :math:`T` loses rank. The motors can
-  move and the frame stands still, and there are directions in which it cannot go.
-* ``constraint``: :math:`\Phi` itself loses rank, so the robot has more degrees of freedom here than
-  elsewhere; branches of its motion may meet. The motors, too few for all of them, do not determine
-  the motion either, so this is also a singularity of actuation.
+* ``actuation``, also called parallel or of the second type: :math:`N_a` loses rank, or equivalently
+the un-actuated columns :math:`\Phi^u` do. The robot can move with its motors locked, and there are
+forces that the motors cannot hold. * ``end_effector``, also called serial or of the first type:
+:math:`T` loses rank. The motors can move while the frame rests, and there are directions in which
+the frame cannot move. * ``constraint``: :math:`\Phi` itself loses rank, so the robot has more
+degrees of freedom here than
+  elsewhere; branches of its motion may meet. The motors are too few to determine the motion, so
+  this is also a singularity of actuation.
 
-N and the measures made of it depend on the mechanism alone, not on how its closures are written
-down.
+N and the measures based on it depend only on the mechanism, not on the form of its closure
+equations.
 
-Meters and radians are made comparable by a characteristic length: an angle counts as the way of a
+Meters and radians are made comparable by a characteristic length: an angle counts as the arc of a
 point at that distance from the axis. By default it is the robot's own, see
-:func:`characteristic_length`. All singular values here are then pure numbers.
+:func:`characteristic_length`. All singular values are then dimensionless.
 
 Sources: C. Gosselin and J. Angeles, Singularity analysis of closed-loop kinematic chains, IEEE
 Transactions on Robotics and Automation 6 (1990), for the two types; F. C. Park and J. W. Kim,
@@ -35,7 +35,7 @@ two maps; D. Zlatanov, I. A. Bonev and C. M. Gosselin, Constraint singularities 
 mechanisms, IEEE International Conference on Robotics and Automation (2002), for the third kind; T.
 Yoshikawa, Manipulability of robotic mechanisms, International Journal of Robotics Research 4
 (1985); J.-P. Merlet, Jacobian, manipulability, condition number, and accuracy of parallel robots,
-Journal of Mechanical Design 128 (2006), for what these numbers cannot say.
+Journal of Mechanical Design 128 (2006), for the limits of these numbers.
 """
 
 from __future__ import annotations
@@ -66,53 +66,53 @@ from psp3.multibody.named_frames import frame_number
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 OPEN = 1e-6
-"""Loops that are open by more than this do not belong to a configuration [m, rad]."""
+"""A configuration is refused if its loops are open by more than this [m, rad]."""
 
 KINDS = ("constraint", "actuation", "end_effector")
 """The three kinds of singularities."""
 
 OPEN_BY_ROUNDING = 10.0
-"""So many times their mismatch rounded loops may be open, for it is not the same in every pose."""
+"""Rounded loops may be open by this many times their mismatch, which depends on the pose."""
 
 _CHUNK = 256
-"""Configurations whose matrices are factored at once."""
+"""Number of configurations whose matrices are factored together."""
 
 
 class Measures(NamedTuple):
     r"""How far configurations are from singularities.
 
-    Each field has their leading dimensions, and is a pure number.
+    Each field has the leading dimensions of the configurations, and is dimensionless.
 
-    ``constraint``: smallest over largest singular value of the constraint Jacobian, redundant rows
-    aside. Zero if the loops give way.
+    ``constraint``: smallest over largest singular value of the constraint Jacobian, without
+    redundant rows. Zero at a constraint singularity.
 
-    ``actuation``: smallest singular value of :math:`N_a`, between 0 and 1. All joints together can
-    move by its inverse while the motors move by one; zero if they can move while the motors do not.
+    ``actuation``: smallest singular value of :math:`N_a`, between 0 and 1. While the motors move by
+    one, all joints together can move by its inverse. Zero if they can move while the motors rest.
 
-    ``end_effector``: smallest singular value of T. The frame moves at least so far, in every
-    direction of the task that it can be asked for, while all joints together move by one; zero if
-    it cannot move in some direction, or stands still in some motion.
+    ``end_effector``: smallest singular value of T. While all joints together move by one, the frame
+    moves at least this far in every direction of the task. Zero if it cannot move in some
+    direction, or rests in some motion.
 
-    ``closure_condition``: condition number of :math:`\Phi^u`, by which errors grow on the way from
+    ``closure_condition``: condition number of :math:`\Phi^u`, the factor by which errors grow from
     the motors to the other joints.
 
-    ``condition``: condition number of J. One where the frame moves equally well in all directions;
-    infinite at singularities of both kinds.
+    ``condition``: condition number of J. One if the frame moves equally well in all directions;
+    infinite at singularities of actuation and of the end effector.
 
     ``manipulability``: product of the singular values of J, which is :math:`\sqrt{\det J J^T}`: the
     volume that unit speeds of the motors give the frame's velocity. Zero at singularities of the
     end effector, infinite at those of actuation.
 
-    ``orientation``: sign of :math:`\det J`, which changes where one of them is crossed, and only
-    there. Zero where J is not square.
+    ``orientation``: sign of :math:`\det J`, which changes only when one of these singularities is
+    crossed. Zero if J is not square.
 
-    ``assembly``: sign of the determinant of the closure equations, of the independent ones of
-    :math:`\Phi^u`, which tells assembly modes apart: two configurations with the same positions of
-    the motors and different signs belong to different ones, and every motion from one to the other
-    passes a singularity of actuation. Zero in a constraint singularity.
+    ``assembly``: sign of the determinant of the independent rows of :math:`\Phi^u`, which
+    distinguishes assembly modes: two configurations with the same motor positions and different
+    signs belong to different modes, and every motion between them passes through a singularity of
+    actuation. Zero at a constraint singularity.
 
-    ``mobility``: degrees of freedom here; more than elsewhere in a constraint singularity, where
-    all that depends on N is NaN.
+    ``mobility``: degrees of freedom at this configuration. At a constraint singularity there are
+    more than elsewhere, and all values that depend on N are NaN.
     """
 
     constraint: Array
@@ -130,9 +130,9 @@ class Singularity(NamedTuple):
     """What is singular about a configuration.
 
     ``kinds`` holds those of :data:`KINDS` that apply; it is empty at a regular configuration. The
-    rows of ``locked`` (k, nv) are joint velocities with all motors at rest, those of ``still`` (k,
-    nv) leave the frame at rest, as far as the task goes; of a robot with more motors than the task
-    has rows there always are some. In each row no joint is faster than 1 [m/s, rad/s].
+    rows of ``locked`` (k, nv) are joint velocities with all motors at rest. The rows of ``still``
+    (k, nv) leave the frame at rest in the coordinates of the task; they always exist if the robot
+    has more motors than the task has rows. In each row no joint is faster than 1 [m/s, rad/s].
     """
 
     kinds: tuple[str, ...]
@@ -150,10 +150,10 @@ class SingularityAnalysis(Described):
     frame : str
         Name of the frame that does the task.
     task : sequence of str
-        Which rows of the frame's velocity matter, of :data:`TASK_COORDINATES`: ``("x", "y")`` for a
-        point in the plane. A frame can be singular in one task and regular in another.
+        The rows of the frame's velocity that matter, from :data:`TASK_COORDINATES`: ``("x", "y")``
+        for a point in the plane. A frame can be singular for one task and regular for another.
     length : float, optional
-        Characteristic length [m]; that of :func:`characteristic_length` unless given.
+        Characteristic length [m]; by default that of :func:`characteristic_length`.
 
     Attributes
     ----------
@@ -179,14 +179,14 @@ class SingularityAnalysis(Described):
         )
         self._index = frame_number(robot.model, frame)
         self._rows = [TASK_COORDINATES.index(name) for name in self.task]
-        # Here the motors are joints like any other.
+        # In these matrices the motors are ordinary joints.
         closures = [*robot.constraint_models, *equations_of(robot)]
         self._table = flattened(robot.model, closures, NO_MOTORS)
         mismatch = max(robot.closure_mismatch.length, robot.closure_mismatch.angle)
         self._open = OPEN + OPEN_BY_ROUNDING * mismatch
         self._dependent = np.setdiff1d(np.arange(robot.model.nv), robot.coordinates_v)
-        # Multiplied by these, velocities are in m/s; divided by those of the joints, so are the
-        # columns of Jacobians.
+        # Velocities times these factors are in m/s; columns of Jacobians are divided by the factors
+        # of the joints.
         self._joint_scale = np.where(rotating(robot.model), self.length, 1.0)
         self._row_scale = np.array([self.length if row >= 3 else 1.0 for row in self._rows])
         self._closure_scale = np.where(self._table.is_length, 1.0, self.length)
@@ -203,7 +203,7 @@ class SingularityAnalysis(Described):
         }
 
     def positions(self, configurations: ArrayLike) -> Array:
-        """Return the place of the frame in base axes.
+        """Return the position of the frame in base axes.
 
         Parameters
         ----------
@@ -235,7 +235,7 @@ class SingularityAnalysis(Described):
         Parameters
         ----------
         configurations : (..., nq) array_like
-            Configurations that close the loops, from ``robot.configuration`` or found otherwise;
+            Configurations that close the loops, from ``robot.configuration`` or another source;
             they may be singular.
 
         Returns
@@ -251,7 +251,7 @@ class SingularityAnalysis(Described):
             If one of them does not close the loops.
         """
         q = finite_rows("configurations", configurations, self.robot.model.nq)
-        # A copy, because kernels would be compiled anew for arrays that cannot be written to.
+        # A copy, because kernels would be compiled again for read-only arrays.
         rows = np.array(q.reshape(-1, q.shape[-1]))
         parts = [
             self._measures(*self._matrices(rows[start : start + _CHUNK]))
@@ -262,9 +262,9 @@ class SingularityAnalysis(Described):
         )
 
     def classify(self, configuration: ArrayLike, tolerance: float = 1e-6) -> Singularity:
-        """Return the kinds of singularities that a configuration is in, with motions.
+        """Return the kinds of singularities of a configuration, with the singular motions.
 
-        The motions are what makes it singular.
+        These are the motions with the motors at rest, and those with the frame at rest.
 
         Parameters
         ----------
@@ -272,7 +272,7 @@ class SingularityAnalysis(Described):
             A configuration that closes the loops.
         tolerance : float
             Singular values up to this count as zero. Newton's method finds singular configurations
-            to the root of its own accuracy only.
+            only to the square root of its accuracy.
 
         Returns
         -------
@@ -306,9 +306,9 @@ class SingularityAnalysis(Described):
 
     @property
     def _rank(self) -> int:
-        """Independent closure equations in general position.
+        """Number of independent closure equations in general position.
 
-        As many as there are velocities that follow from the coordinates, or are held.
+        It is the number of velocities that depend on the coordinates or are held.
         """
         return self._dependent.size
 
@@ -321,7 +321,7 @@ class SingularityAnalysis(Described):
     def _matrices(self, rows: Array) -> tuple[Array, Array]:
         """Return constraint Jacobians (N, m, nv) and the task's rows (N, t, nv).
 
-        The rows are those of the frame's Jacobian in the tree. All is dimensionless.
+        The rows are those of the frame's Jacobian in the tree. All matrices are dimensionless.
         """
         model, data = self.robot.model, self.robot.data
         closures = np.zeros((len(rows), self._closure_scale.size, model.nv))
@@ -352,7 +352,7 @@ class SingularityAnalysis(Described):
         if rank:
             _, values, right = np.linalg.svd(closures)
             constraint = values[:, rank - 1] / values[:, 0]
-            # Rounding makes redundant equations seem independent.
+            # Rounded redundant equations seem independent.
             independent = np.count_nonzero(values > RANK_TOLERANCE * values[:, :1], axis=1)
             mobility = (nv - np.minimum(independent, rank)).astype(float)
             motions = np.swapaxes(right[:, rank:], 1, 2)
@@ -365,7 +365,7 @@ class SingularityAnalysis(Described):
             closure_condition=closure_condition,
             condition=np.full(count, np.inf),
             manipulability=np.full(count, np.inf),
-            # The determinants change their signs together with the basis, their product does not.
+            # The sign of each determinant depends on the basis; the sign of their product does not.
             orientation=np.sign(np.linalg.det(driven) * np.linalg.det(moved))
             if driven.shape[1] == driven.shape[2] == len(self.task)
             else np.zeros(count),
@@ -373,12 +373,12 @@ class SingularityAnalysis(Described):
             mobility=mobility,
         )
         regular = measures.actuation > RANK_TOLERANCE
-        # With more motors than coordinates their motions are those that keep the loops closed.
+        # With more motors than coordinates, only motor motions that keep the loops closed count.
         inverse = np.linalg.pinv(driven[regular])
         transposed: Array = np.swapaxes(moved[regular] @ inverse, 1, 2).astype(float)
         measures.condition[regular] = _condition(transposed)
         measures.manipulability[regular] = np.linalg.svd(transposed, compute_uv=False).prod(axis=1)
-        # Which of the directions belong to N is not determined where there are more than usual.
+        # If there are more directions than usual, it is not determined which of them belong to N.
         apart = mobility > nv - rank
         measures.actuation[apart], measures.closure_condition[apart], measures.assembly[apart] = (
             0.0,
@@ -396,7 +396,7 @@ class SingularityAnalysis(Described):
 
 
 def _condition(matrices: Array) -> Array:
-    """Return the condition numbers of matrices (N, m, k), infinite where they are singular."""
+    """Return the condition numbers of matrices (N, m, k); infinite if they are singular."""
     values = np.linalg.svd(matrices, compute_uv=False)
     condition = np.full(len(matrices), np.inf)
     regular = values[:, -1] > RANK_TOLERANCE * values[:, 0]

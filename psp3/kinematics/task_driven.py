@@ -1,15 +1,14 @@
 r"""A robot driven at one of its frames.
 
-The inverse kinematics of any robot with loops, as forward kinematics of another.
+The inverse kinematics of any robot with loops is computed as the forward kinematics of another.
 
-Joints without mass are added that stand on the base, three sliders and, if the task has angles,
-three hinges, and a closure joins the last of them to the frame. Then those that belong to the task
-are actuated, and the motors are joints like any other. What holds for a robot with loops holds for
-this one: its configurations follow from the task's coordinates by Newton's method with
-continuation, in one assembly mode, which for the robot itself is one *working mode*. It is singular
-where the robot's end effector is (see :mod:`psp3.kinematics.singularities`), and goes through
-singularities of actuation as if they were not there. Its mass matrix is the robot's inertia at the
-frame, :math:`J^{-T} M J^{-1}`.
+A massless chain is added to the base: three sliders and, if the task has angles, three hinges. A
+closure joins its last joint to the frame. The added joints that belong to the task are actuated,
+and the motors become ordinary joints. The result is a robot with loops: its configurations follow
+from the task's coordinates by Newton's method with continuation, in one assembly mode, which is one
+*working mode* of the original robot. It is singular if the end effector of the original robot is
+singular (see :mod:`psp3.kinematics.singularities`), but not at singularities of actuation. Its mass
+matrix is the original robot's inertia at the frame, :math:`J^{-T} M J^{-1}`.
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ _JOINTS = {
 
 
 def without_limits(model: pin.Model) -> pin.Model:
-    """Return a copy of a model whose joints have no limits of position."""
+    """Return a copy of a model whose joints have no position limits."""
     free = model.copy()
     free.lowerPositionLimit = np.full(model.nq, -np.inf)
     free.upperPositionLimit = np.full(model.nq, np.inf)
@@ -45,7 +44,7 @@ def without_limits(model: pin.Model) -> pin.Model:
 
 
 class TaskDrivenRobot(ClosedLoopRobot):
-    """A robot whose actuated coordinates are those of a task, and whose joints have no limits.
+    """A robot that is actuated in the coordinates of a task, and whose joints have no limits.
 
     Parameters
     ----------
@@ -56,9 +55,9 @@ class TaskDrivenRobot(ClosedLoopRobot):
     task : sequence of str
         As many coordinates as the robot's motors command: ``x``, ``y``, ``z``, the position of the
         frame in base axes [m], and ``rx``, ``ry``, ``rz``, angles [rad] by which the frame is
-        turned away from its orientation in the robot's reference configuration, about the fixed
-        base axes, x first, then y, then z. Those that are not named are free, and follow; the turn
-        about such an axis comes last, except that a single angle always is the last.
+        rotated from its orientation in the robot's reference configuration, about the fixed base
+        axes, x first, then y, then z. Coordinates that are not named are free. The rotation about a
+        free axis comes last, unless only one angle is named, which then comes last.
 
     Attributes
     ----------
@@ -71,8 +70,9 @@ class TaskDrivenRobot(ClosedLoopRobot):
     UnknownName
         If the robot has no such frame, or there is no such coordinate.
     InvalidValue
-        If the task has not as many coordinates as the robot's motors command, or they do not
-        determine its pose, or some of the robot's coordinates follow its motors.
+        If the number of task coordinates is not that of the coordinates that the robot's motors
+        command, they do not determine the pose, or some of the robot's coordinates follow its
+        motors.
     ClosureFailed, SingularConfiguration
         If the reference configuration is a singularity of the frame.
     """
@@ -127,7 +127,7 @@ class TaskDrivenRobot(ClosedLoopRobot):
             ) from error
 
     def completed(self, configurations: ArrayLike) -> Array:
-        """Return the configurations of this robot that hold given ones of the robot it is made of.
+        """Return the configurations of this robot that belong to given ones of the original robot.
 
         Parameters
         ----------
@@ -137,7 +137,7 @@ class TaskDrivenRobot(ClosedLoopRobot):
         Returns
         -------
         (..., nq + 3 or nq + 6) ndarray
-            Followed by the positions of the added joints.
+            The given configurations, followed by the positions of the added joints.
 
         Raises
         ------
@@ -163,7 +163,7 @@ class TaskDrivenRobot(ClosedLoopRobot):
 def _turns(task: tuple[str, ...]) -> tuple[str, ...]:
     """Return the axes of the added hinges, from the base outward.
 
-    The middle one is the one that must stay below 90°.
+    The angle of the middle one must stay below 90°.
     """
     mine = [name for name in ("rz", "ry", "rx") if name in task]
     others = [name for name in ("rz", "ry", "rx") if name not in task]
@@ -173,10 +173,10 @@ def _turns(task: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _angles(rotation: Array, turns: tuple[str, ...]) -> Array:
-    """Return the angles of three hinges, in their order, that make a rotation."""
+    """Return the angles of three hinges, in their order, that produce a rotation."""
     from scipy.spatial.transform import Rotation
 
-    # Capital letters: each axis is turned by the hinges before it.
+    # Capital letters: the preceding hinges rotate each axis.
     return np.asarray(
         Rotation.from_matrix(rotation).as_euler("".join(name[1].upper() for name in turns)),
         dtype=float,

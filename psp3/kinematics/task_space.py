@@ -1,14 +1,14 @@
 r"""Task space of a robot.
 
-Where a frame of the robot is, how it moves, and how far that is from where it should be.
+It gives the placement of a frame, its motion, and its distance from a desired placement.
 
 With a the actuated positions and :math:`x = f(a)` the frame's coordinates,
 
 .. math:: \dot x = J \dot a, \qquad \ddot x = J \ddot a + \dot J \dot a .
 
-:math:`\dot J \dot a` is exact: the joints are given the accelerations that keep the loops closed
-while the actuated ones move uniformly, and Pinocchio carries these through the tree. For the tip of
-the 3-PSP, :meth:`psp3.PSP3.rates_of_tip` is the inverse.
+:math:`\dot J \dot a` is exact: the joints get the accelerations that keep the loops closed at
+constant speeds of the actuated joints, and Pinocchio propagates these through the tree. For the tip
+of the 3-PSP, :meth:`psp3.PSP3.rates_of_tip` is the inverse.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class TaskSpace(Described):
     frame : str
         Name of a frame of the model.
     task : sequence of str
-        Which of ``x``, ``y``, ``z``, ``rx``, ``ry``, ``rz``: position of the frame's origin and
+        Some of ``x``, ``y``, ``z``, ``rx``, ``ry``, ``rz``: position of the frame's origin and
         rotation, in base axes.
 
     Attributes
@@ -81,7 +81,7 @@ class TaskSpace(Described):
     def state(self, position: Array, speed: Array) -> TaskState:
         """Return the frame's motion and Jacobian for one state.
 
-        Positions and speeds (n,) of the actuated joints.
+        The state is positions and speeds (n,) of the actuated joints.
         """
         motion, jacobian = motion_and_jacobian(
             self.robot, self._index, position, speed, np.zeros_like(speed)
@@ -100,10 +100,10 @@ class TaskSpace(Described):
         return self.robot.frame_jacobian(position, self.frame)[self.rows]
 
     def error(self, desired: Array, actual: Array) -> Array:
-        r"""Return how far a placement is from the desired one, in the task's coordinates.
+        r"""Return the difference of a placement from the desired one in task coordinates.
 
-        The rotation still to be made is :math:`\log (R_d R^\top)`, a vector along its axis in base
-        axes, as long as its angle.
+        The remaining rotation is :math:`\log (R_d R^\top)`, a vector along its axis in base axes
+        whose length is its angle.
 
         Parameters
         ----------

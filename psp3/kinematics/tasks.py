@@ -1,4 +1,4 @@
-"""Coordinates of a frame that make up a task, and the length that weighs angles."""
+"""Coordinates of a frame that make up a task, and the length that weights angles."""
 
 from __future__ import annotations
 
@@ -16,15 +16,14 @@ from psp3.multibody.named_frames import frame_number
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 TASK_COORDINATES = ("x", "y", "z", "rx", "ry", "rz")
-"""Velocity of a frame's origin and angular velocity, all in base axes, as the rows of a task are
-named.
+"""Names of the rows of a task: velocity of a frame's origin and angular velocity, all in base axes.
 """
 
 
 def characteristic_length(robot: ClosedLoopRobot) -> float:
-    r"""Return the root mean square distance of a robot's joints from their middle.
+    r"""Return the root mean square distance of a robot's joints from their mean position.
 
-    In its reference configuration.
+    The robot is in its reference configuration.
 
     .. math:: \ell = \sqrt{\frac1k \sum_i \lVert p_i - \bar p \rVert^2}
 
@@ -41,7 +40,7 @@ def characteristic_length(robot: ClosedLoopRobot) -> float:
     Raises
     ------
     InvalidValue
-        If all joints are in one place, so that the robot has no length of its own.
+        If all joints are at one place, so that the length would be zero.
     """
     pin.forwardKinematics(robot.model, robot.data, robot.q0)
     places = np.array(
@@ -56,14 +55,14 @@ def characteristic_length(robot: ClosedLoopRobot) -> float:
 
 
 def rotating(model: pin.Model) -> NDArray[np.bool_]:
-    """Return which components of a joint velocity are angular, (nv,) of bool; a screw's is."""
+    """Return which components of a joint velocity are angular, (nv,) of bool; screws' are."""
     data = model.createData()
     pin.computeJointJacobians(model, data, pin.neutral(model))
     angular = np.zeros(model.nv, dtype=bool)
     for index in range(1, model.njoints):
         joint = model.joints[index]
         columns = slice(joint.idx_v, joint.idx_v + joint.nv)
-        # Of one column only, Pinocchio's Jacobians come without their second dimension.
+        # If there is only one column, Pinocchio's Jacobians have no second dimension.
         own = pin.getJointJacobian(model, data, index, pin.ReferenceFrame.LOCAL).reshape(
             6, model.nv
         )[:, columns]
@@ -72,21 +71,21 @@ def rotating(model: pin.Model) -> NDArray[np.bool_]:
 
 
 def checked_motors(robot: ClosedLoopRobot) -> ClosedLoopRobot:
-    """Return a robot whose motors command all of its coordinates; raise if it is none."""
+    """Return a robot; raise if its motors do not command all of its coordinates."""
     checked_robot(robot)
     if robot.commanded < len(robot.coordinates_v):
         followers = ", ".join(robot.coordinates[robot.commanded :])
         raise InvalidValue(
             "robot",
             robot.title,
-            f"one whose motors command all coordinates; of this one {followers} follow (free="
+            f"one whose motors command all coordinates; in this one {followers} follow (free="
             "'lock' holds what can be held)",
         )
     return robot
 
 
 def equations_of(robot: ClosedLoopRobot) -> list[Any]:
-    """Return what closes a robot besides its constraint models, and what is held in it."""
+    """Return a robot's closures without a constraint model, and those of its locked joints."""
     held: list[Any] = list(robot.equations)
     for one in robot.locked:
         if one.spin is not None:
@@ -94,13 +93,13 @@ def equations_of(robot: ClosedLoopRobot) -> list[Any]:
             continue
         number = robot.model.getJointId(one.joint)
         place = robot.q0[robot.model.joints[number].idx_q]
-        # A joint that is held follows itself.
+        # A held joint is a coupling of the joint with itself.
         held.append(Coupling(f"{one.joint}, held", number, number, (float(place),)))
     return held
 
 
 def checked_frame(robot: ClosedLoopRobot, frame: str) -> str:
-    """Return the name of a frame; raise if the robot has none of that name."""
+    """Return the name of a frame; raise if the robot has no such frame."""
     checked_robot(robot)
     frame_number(robot.model, frame)
     return frame
@@ -109,7 +108,7 @@ def checked_frame(robot: ClosedLoopRobot, frame: str) -> str:
 def checked_task(task: Sequence[str]) -> tuple[str, ...]:
     """Return a task's coordinates as a tuple.
 
-    Raise if one is unknown or there twice, or if there are none.
+    Raise if one is unknown or occurs twice, or if there are none.
     """
     names = checked_names("task", task)
     for name in names:

@@ -1,10 +1,11 @@
 """Workspaces of any robot with loops.
 
-Maps over two or more coordinates, their borders, and the way to the border.
+The module computes maps over one or more coordinates, their borders, and the distance to the border
+along a ray.
 
-Poses are reached from the robot's reference configuration by continuation, each from a neighbor, so
-a map is of one assembly mode (over the actuated coordinates) or of one working mode (over those of
-a task). Joint limits and singularities do not stop it; they are noted.
+Poses are reached from the robot's reference configuration by continuation, each from a neighbor. So
+a map shows one assembly mode (over the actuated coordinates) or one working mode (over those of a
+task). Joint limits and singularities do not stop the continuation; they are recorded.
 """
 
 from __future__ import annotations
@@ -40,32 +41,33 @@ from psp3.kinematics.tasks import equations_of, rotating
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 UNLIMITED = 1e30
-"""Limits beyond this are none; Pinocchio writes them as the largest number."""
+"""A limit beyond this is no limit; Pinocchio represents no limit as the largest number."""
 
 LEAST_CONSTRAINT = 1e-6
-"""Closures closer to a singularity of constraint, as a share of what they are in the reference
-configuration, are in it.
+"""A pose counts as a constraint singularity if its measure is below this share of that in the
+reference configuration.
 
-Branches of the motion meet there, and continuation could leave on any of them.
+Branches of the motion meet there, and the continuation could follow any of them.
 """
 
 RAY_STEPS = 64
-"""Poses along a ray between which its end is not overlooked."""
+"""Number of steps in which a ray is searched for its end."""
 
 RAY_ACCURACY = 1e-11
-"""Share of a ray to which its end is found; much less would be lost in the rounding of its
-closures.
+"""Accuracy of the end of a ray, as a share of the ray. A much smaller one would be lost in
+rounding.
 """
 
 
 class Reach(NamedTuple):
     """How far a ray goes.
 
-    ``distance`` is in multiples of its direction, ``ends`` is what ends it, and ``configuration``
-    is the last one before.
+    ``distance`` is in multiples of the direction, ``ends`` is the reason why the ray ends, and
+    ``configuration`` is the last good configuration.
 
-    ``ends`` is ``"limit"``, then ``joint`` names the joint; ``"actuation"``, ``"end_effector"`` or
-    ``"constraint"`` for the kind of singularity; or ``"farthest"`` if nothing ended it so far.
+    ``ends`` is ``"limit"``, and ``joint`` then names the joint; ``"actuation"``, ``"end_effector"``
+    or ``"constraint"`` for a singularity of this kind; or ``"farthest"`` if the search reached its
+    end.
     """
 
     distance: float
@@ -75,7 +77,7 @@ class Reach(NamedTuple):
 
 
 class Workspace(Described):
-    """The workspace of a robot's frame: which poses it reaches, and how well conditioned they are.
+    """The workspace of a robot's frame: the poses that it reaches, and their conditioning.
 
     Parameters
     ----------
@@ -87,20 +89,20 @@ class Workspace(Described):
         Coordinates of the frame that matter, see
         :class:`psp3.kinematics.task_driven.TaskDrivenRobot`.
     over : {"task", "actuators"}
-        Coordinates over which the workspace is seen: those of the task, of which there must then be
-        as many as the motors command, or the robot's own, which are its motors as a rule.
+        Coordinates of the workspace: those of the task, whose number must be that of the
+        coordinates that the motors command, or the robot's own, which usually are its motors.
     length : float, optional
         Characteristic length [m], see :mod:`psp3.kinematics.singularities`.
     singular_below : float
-        Poses whose measure of actuation or of the end effector is smaller count as singular, and
-        those whose measure of constraint is smaller than this share of what it is in the reference
-        configuration. At 0.01 some motion of the motors moves the robot's joints a hundred times as
-        fast, or hardly moves the frame; 0 leaves the singularities themselves.
+        A pose counts as singular if its measure of actuation or of the end effector is below this,
+        or if its measure of constraint is below this share of that in the reference configuration.
+        At 0.01, some motion of the motors moves the robot's joints a hundred times as fast, or
+        hardly moves the frame. With 0, only exact singularities count.
 
     Attributes
     ----------
     analysis : SingularityAnalysis
-        What measures the poses.
+        Computes the measures of the poses.
     coordinates : tuple of str
         Names of the coordinates.
     units : dict
@@ -111,10 +113,9 @@ class Workspace(Described):
     Raises
     ------
     UnknownName
-        If the robot has no such frame, or there is no such coordinate; or if ``over`` is something
-        else.
+        If the robot has no such frame, there is no such coordinate, or ``over`` is unknown.
     InvalidValue
-        If the task does not drive the robot, or a number is out of its range.
+        If the task cannot drive the robot, or a number is out of range.
     """
 
     def __init__(
@@ -175,7 +176,8 @@ class Workspace(Described):
             Values of one or more coordinates, ascending [m or rad]:
             ``{"x": np.linspace(-0.1, 0.1, 41), "z": [...]}``.
         held : mapping, optional
-            Values of the others [m or rad]; where not given, those of the reference configuration.
+            Values of the other coordinates [m or rad]; by default those of the reference
+            configuration.
 
         Returns
         -------
@@ -228,19 +230,19 @@ class Workspace(Described):
         )
 
     def boundary(self, poses: KinematicMap, at_least: Status = Status.USABLE) -> Boundary:
-        """Return the border of the poses of a map that are of a status or better.
+        """Return the border of the poses of a map that have a status or a better one.
 
-        Along every edge of the grid that crosses it, the border is found to a thousandth of the
-        edge; between two edges it is drawn straight, so the area is good to the square of the
-        grid's step. Where the region goes on beyond the grid, the grid's own border is not part of
-        it.
+        On each edge of the grid that crosses the border, the crossing is accurate to a thousandth
+        of the edge. Crossings are joined by straight lines, so the error of the area is
+        proportional to the square of the grid's step. If the region extends beyond the grid, the
+        outline of the grid is not part of the border.
 
         Parameters
         ----------
         poses : KinematicMap
             A map of two dimensions that this workspace made, of two lengths or two angles.
         at_least : Status
-            Least status of the poses inside; ``Status.BEYOND_LIMIT`` for all that can be reached.
+            Worst status of the poses inside; ``Status.BEYOND_LIMIT`` for all reachable poses.
 
         Returns
         -------
@@ -249,7 +251,7 @@ class Workspace(Described):
         Raises
         ------
         InvalidValue
-            If the map is of other dimensions or coordinates, or ``at_least`` is no status of
+            If the map has other dimensions or coordinates, or ``at_least`` is not a status of
             reachable poses.
         """
         checked_kind("poses", poses, KinematicMap, "a map, as workspace.map returns it")
@@ -286,25 +288,24 @@ class Workspace(Described):
         farthest: float,
         start: Mapping[str, float] | None = None,
     ) -> Reach:
-        """Return how far the robot can go in a direction, and why no farther.
+        """Return how far the robot can move in a direction, and why not farther.
 
-        Farther than that its poses are no longer usable.
+        Beyond this distance its poses are not usable.
 
         Parameters
         ----------
         direction : mapping
-            Components of the direction, zero where not given: ``{"x": 1.0}`` for a distance in
+            Components of the direction; the others are zero. ``{"x": 1.0}`` gives a distance in
             meters along x.
         farthest : float
-            Where to stop looking, in multiples of the direction. The ray is searched in 64 steps.
+            End of the search, in multiples of the direction. The ray is searched in 64 steps.
         start : mapping, optional
-            Coordinates to start from [m or rad]; where not given, those of the reference
-            configuration.
+            Coordinates of the start [m or rad]; by default those of the reference configuration.
 
         Returns
         -------
         Reach
-            Distance 0 if the start is not usable.
+            The distance is 0 if the start is not usable.
 
         Raises
         ------
@@ -347,7 +348,7 @@ class Workspace(Described):
     def _point(self, values: Mapping[str, float], what: str) -> Array:
         """Return all coordinates.
 
-        They are those of the reference configuration where no others are given.
+        The default is those of the reference configuration.
         """
         self._check_mapping(what, values)
         point = np.array(list(self.reference.values()))
@@ -374,7 +375,7 @@ class Workspace(Described):
         return row
 
     def _whole(self, configuration: Array) -> Array:
-        """Return a configuration of the driven robot that holds one of the robot."""
+        """Return the configuration of the driven robot that belongs to one of the robot."""
         return (
             self._driven.completed(configuration)
             if isinstance(self._driven, TaskDrivenRobot)
@@ -382,7 +383,7 @@ class Workspace(Described):
         )
 
     def _followed(self, target: Array, guess: Array) -> Array | None:
-        """Return the configuration at a target, reached from a guess; None if there is none."""
+        """Return the configuration at a target, reached from a guess; None if it is unreachable."""
         try:
             return self._driven.configuration(target, guess=guess)
         except (ClosureFailed, SingularConfiguration):
@@ -398,14 +399,14 @@ class Workspace(Described):
         accuracy: float,
         least: Status,
     ) -> tuple[float, Array, Array | None]:
-        """Go from a configuration along a way, as long as poses have a status or better.
+        """Move from a configuration along a vector, as long as poses have a status or a better one.
 
-        Return the multiple of the way, the last good configuration, and the one that was not, None
-        if the loops did not close there. Not by bisection: what cannot be reached from afar may be
-        reached from nearby.
+        Return the multiple of the vector, the last good configuration, and the first bad one, None
+        if the loops did not close there. Bisection is not used, because a pose that is unreachable
+        from far away may be reachable from nearby.
         """
         done, step, streak, bad = 0.0, longest, 0, None
-        # What failed last is twice a step away.
+        # After a failure the step is halved, so the last failure is two steps away.
         while done < end and 2.0 * step > accuracy:
             goal = min(done + step, end)
             found = self._followed(start + goal * way, q)
@@ -420,7 +421,7 @@ class Workspace(Described):
     def _flood(self, targets: Array) -> Array:
         """Return configurations of the driven robot, NaN where there are none.
 
-        Neighbor by neighbor from where the grid is entered.
+        They are found from neighbor to neighbor, starting at the node nearest to the reference.
         """
         shape = targets.shape[:-1]
         found = np.full((*shape, self._driven.model.nq), np.nan)
@@ -434,7 +435,7 @@ class Workspace(Described):
         return found
 
     def _away(self, targets: Array) -> Array:
-        """Return the squares of the distances of targets from the reference configuration."""
+        """Return the squared distances of targets from the reference configuration."""
         squares: Array = (((targets - self._driven.reference) * self._scale) ** 2).sum(axis=-1)
         return squares
 
@@ -454,7 +455,7 @@ class Workspace(Described):
                         waiting.append(there)
 
     def _evaluated(self, configuration: Array) -> tuple[NDArray[np.int64], Array, Array, Measures]:
-        """Return status, position, margin and measures of configurations, of which some are NaN."""
+        """Return status, position, margin and measures of configurations; some may be NaN."""
         reached = ~np.isnan(configuration[..., 0])
         rows = configuration[reached]
         measures = self.analysis.measures(rows)
@@ -477,7 +478,7 @@ class Workspace(Described):
 
     def _statuses(self, margin: Array, measures: Measures) -> Array:
         with np.errstate(invalid="ignore"):
-            # What is NaN in a constraint singularity is not regular either.
+            # Measures that are NaN at a constraint singularity count as singular.
             regular = (measures.actuation > self.singular_below) & (
                 measures.end_effector > self.singular_below
             )
@@ -498,7 +499,7 @@ class Workspace(Described):
         return int(self._statuses(margin, self.analysis.measures(rows))[0])
 
     def _reason(self, q: Array, unreachable: bool = False) -> tuple[str, str]:
-        """Return what ends a ray at a configuration, and the joint if it is one."""
+        """Return why a ray ends at a configuration, and the joint if a limit ends it."""
         q = q[: self.analysis.robot.model.nq]
         margin, joint = self._limits.of(q[np.newaxis])
         if margin[0] < 0.0:
@@ -512,15 +513,15 @@ class Workspace(Described):
             "end_effector": measures.end_effector,
         }
         if unreachable:
-            # The other kind does not keep the loops from closing.
+            # A singularity of the other kind does not prevent the loops from closing.
             kinds.pop("actuation" if self.over == "task" else "end_effector")
         return min(kinds, key=lambda kind: float(kinds[kind])), ""
 
 
 def _cut_off(good: NDArray[np.bool_], away: Array) -> NDArray[np.bool_]:
-    """Return the good nodes of a grid that are cut off.
+    """Return the good nodes of a grid that are cut off from the reference.
 
-    They do not hang together with the one that is the least away.
+    They are not connected with the good node that is nearest to it.
     """
     if not good.any():
         return good
@@ -553,9 +554,9 @@ class _Margins:
         )
 
     def of(self, configurations: Array) -> tuple[Array, Array]:
-        """Return the least margin of configurations (N, nq) [m], and its joint.
+        """Return the smallest margin of configurations (N, nq) [m], and its joint.
 
-        It is infinite without limits. The joint is an index.
+        The margin is infinite without limits. The joint is given as an index.
         """
         if not self.names:
             return np.full(len(configurations), np.inf), np.zeros(

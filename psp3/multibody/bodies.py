@@ -1,4 +1,4 @@
-"""Inertias, momenta and forces of the bodies of a pose, compiled.
+"""Compiled inertias, momenta and forces of the bodies of a pose.
 
 All are about the base's origin, or about a floating base, in base axes.
 """
@@ -26,7 +26,7 @@ from psp3.multibody.tree import (
 def weigh(tree, numbers, memory):
     """Write the inertias of all elements about the base's origin, in base axes (10).
 
-    Mass, mass times center of mass, and moments (xx, xy, xz, yy, yz, zz).
+    The numbers are mass, mass times center of mass, and moments (xx, xy, xz, yy, yz, zz).
     """
     for body in range(tree[BODIES]):
         e = tree[tree[AT_MASSIVE] + body]
@@ -89,7 +89,7 @@ def momentum(tree, memory, e, X, out):
 def wrench(tree, numbers, memory, e, out):
     """Write the force that moves an element and carries its weight, and its torque at the base.
 
-    That is I A + V ×* I V, with the free fall taken from A.
+    It is I A + V ×* I V, where the free fall is subtracted from A.
     """
     v, a = tree[AT_VELOCITIES] + 6 * e, tree[AT_ACCELERATIONS] + 6 * e
     g, k = tree[AT_FREE_FALL], tree[AT_INERTIAS] + 10 * e

@@ -1,8 +1,8 @@
-"""Move the independent joints with all loops closed, compiled.
+"""Compiled motion of the independent joints with closed loops.
 
-Newton's method from a predicted pose, one group of loops after the other. A step that Newton's
-method must correct by much, or that turns the sign of the group's determinant, could lead to
-another assembly mode: it is done again in halves.
+Each step predicts a pose and corrects it with Newton's method, one group of loops after the other.
+A step could lead to another assembly mode if Newton's method must correct it by much, or if the
+group's determinant changes sign. Such a step is halved and repeated.
 """
 
 from __future__ import annotations
@@ -58,81 +58,80 @@ from psp3.multibody.tree import (
 )
 
 CLOSED, OPEN, SINGULAR = range(3)
-"""What became of a group: closed; stopped on the way; the independent joints do not determine the
+"""Outcomes for a group: closed; stopped on the way; the independent joints do not determine the
 others.
 """
 
 LARGEST_PREDICTED_STEP = 0.3
-"""No joint is moved by more than this between two closures [m, rad]."""
+"""The largest motion of a joint between two closures [m, rad]."""
 
 LARGEST_CORRECTION = 0.3
-"""Newton's method may move a predicted configuration by this share of the predicted step; more
-could be another assembly mode.
+"""The largest correction by Newton's method, as a share of the predicted step. A larger one could
+lead to another assembly mode.
 """
 
 SMALLEST_CORRECTION = 1e-9
-"""A correction by less than this is rounding, however short the step was [m, rad]."""
+"""A smaller correction counts as rounding, however short the step was [m, rad]."""
 
 LARGEST_REPAIR = 1.0
-"""A guess that closes the loops only after its joints have moved by more than this is none [m,
-rad].
-"""
+"""A guess is refused if a joint must move by more than this to close the loops [m, rad]."""
 
 LARGEST_BEND = 0.1
-"""Near a singular pose no step may change the speeds along the way by more than this share: behind
-one, branches lie so close to each other that Newton's method may take either, but they part in
-different directions.
+"""The largest change of the speeds along the way in a step near a singular pose, as a share. Behind
+a singular pose, branches are so close to each other that Newton's method may find either, but their
+directions differ.
 """
 
 MOST_ATTEMPTS = 10_000
-"""A motion is given up after so many steps, good or not: of 0.3 each they are a way of 3 km, or
+"""The largest number of steps of a motion, accepted or not. With steps of 0.3 they cover 3 km, or
 500 turns.
 """
 
 ALL_OF_THE_WAY = 1.0 - 1e-12
-"""A step to a larger share of the way goes all of it."""
+"""A step that reaches a larger share of the way goes to its end."""
 
 SMALLEST_STEP = 1e-6
-"""A motion is given up where this share of the way is still too long a step."""
+"""A motion stops if a step must be shorter than this share of the way."""
 
 ENOUGH = 0.03
-"""A correction that leaves a smaller share of the residual is followed by one with the same
+"""If a correction reduces the residual to less than this share, the next one uses the same
 Jacobian.
 """
 
 ALL_BUT_ROUNDING = 0.5
-"""A correction that leaves a larger share of a small residual corrects rounding: also where m roots
-coincide Newton's method leaves only (1 − 1/m)^m of it, less than 1/e.
+"""If a correction leaves more than this share of a small residual, the residual is rounding. Even
+if m roots coincide, Newton's method leaves only (1 − 1/m)^m of it, less than 1/e.
 """
 
 GUESSED = 100.0
-"""A guess counts as closed with a residual so many times larger than what is asked of a motion: a
-correction by rounding could lead past a singular pose nearby.
+"""The residual of a guess may be this many times the residual of a motion, because a correction of
+rounding could lead past a singular pose nearby.
 """
 
 NEARBY = 3e-3
-"""If Newton's method may move joints by more than this, every step has a Jacobian of its own, whose
-sign is looked at: near a singular pose a step may lead to another branch with the old sign [m,
-rad].
+"""If Newton's method may move joints by more than this, each step computes the Jacobian and checks
+its sign, because near a singular pose a step may lead to another branch although the last sign was
+right [m, rad].
 """
 
 MANY = 8
-"""Of a group with fewer dependent joints a new Jacobian costs less than one more correction."""
+"""For a group with fewer dependent joints, a new Jacobian takes less time than another correction.
+"""
 
 STILL = 1e-9
-"""Equations that contradict each other are closed where the step of a joint, below this, has become
-as small as rounding lets it [m, rad].
+"""Contradicting equations count as closed if the joint steps are below this and do not decrease
+further, because of rounding [m, rad].
 """
 
 MOST_ITERATIONS = 25
-"""Newton's method doubles the digits: more steps than this are the sign of a pose that does not
-exist.
+"""The largest number of Newton steps. Each step doubles the correct digits, so if more are needed,
+the pose does not exist.
 """
 
 
 @scalar
 def solved(tree, memory, group):
-    """Replace the right side by the group's dependent speeds that give it, by least squares."""
+    """Replace the right side by the least-squares solution, the group's dependent speeds."""
     g = tree[AT_GROUPS] + GROUP_INTEGERS * group
     solve(
         tree,
@@ -164,7 +163,7 @@ def factored(tree, numbers, memory, group):
 
 @scalar
 def _rests(step, before, size, mismatch):
-    """Tell whether a residual that equations leave by their rounding cannot become smaller."""
+    """Tell whether rounded equations prevent a further reduction of the residual."""
     return size <= mismatch and step <= STILL and step >= 0.5 * before
 
 
@@ -172,10 +171,10 @@ def _rests(step, before, size, mismatch):
 def newton(tree, numbers, memory, group, most, enough, sign):
     """Close a group's loops with its dependent joints.
 
-    Leave its Jacobian factored there. Return what became of it; it is closed where the residual is
-    at most ``enough``, or, where equations contradict each other by rounding, where the step is,
-    and open where a joint has moved by more than ``most``, or the determinant's
-    sign was not ``sign`` somewhere on the way, unless that is 0.
+    The memory then holds the factored Jacobian. Return the outcome. The group is closed if the
+    residual is at most ``enough`` or, if rounded equations contradict each other, if the step is.
+    It is open if a joint has moved by more than ``most``, or if ``sign`` is not 0 and the
+    determinant had another sign on the way.
     """
     configuration = tree[AT_CONFIGURATION]
     moved = tree[AT_MOVED]
@@ -198,10 +197,11 @@ def newton(tree, numbers, memory, group, most, enough, sign):
         size = residual_of(tree, numbers, memory, group)
         if not size < math.inf:
             return OPEN
-        # Near a singular pose rounding may be all that a step corrects.
+        # Near a singular pose, a step may correct nothing but rounding.
         rounding = before * (ALL_BUT_ROUNDING if is_fresh else 1.0)
         is_closed = size <= enough or (size >= rounding and size <= largest)
-        # The Jacobian of a pose before is good for a correction where it has led far.
+        # The old Jacobian is used again if the last correction with it reduced the residual by
+        # much.
         is_fresh = columns < MANY or most > NEARBY or size > ENOUGH * before or is_closed
         if is_fresh:
             memory[signs + group] = factored(tree, numbers, memory, group)
@@ -231,10 +231,10 @@ def newton(tree, numbers, memory, group, most, enough, sign):
 
 @scalar
 def _is_turned(tree, memory, group):
-    """Tell whether a group's closure equations have turned over since the pose before.
+    """Tell whether the orientation of a group's closure equations has changed since the last pose.
 
-    Where they are more than the dependent speeds, the sign of the motion between the spaces of
-    their columns says it.
+    If there are more equations than dependent speeds, it is the sign of the map between the column
+    spaces of the two Jacobians.
     """
     across = tree[AT_ACROSS]
     before = tree[AT_BEFORE]
@@ -260,7 +260,7 @@ def _is_turned(tree, memory, group):
 
 @scalar
 def _remember(tree, memory, group):
-    """Keep the pose of a group as the one from which the next is looked for."""
+    """Store the pose of a group as the start of the search for the next pose."""
     before = tree[AT_BEFORE]
     before_reflections = tree[AT_BEFORE_REFLECTIONS]
     closed = tree[AT_CLOSED]
@@ -279,7 +279,7 @@ def _remember(tree, memory, group):
 
 @scalar
 def _speeds_along(tree, memory, group):
-    """Write the dependent speeds of the way to the target; return the largest of any joint."""
+    """Write the dependent speeds along the way to the target; return the largest joint speed."""
     target = tree[AT_TARGET]
     driven = tree[AT_DRIVEN]
     origin = tree[AT_ORIGIN]
@@ -308,7 +308,7 @@ def _speeds_along(tree, memory, group):
 
 @scalar
 def _is_bent(tree, memory, group, fastest):
-    """Tell whether the speeds along the way are others than at the pose before; leave those."""
+    """Tell whether the speeds along the way have changed since the last pose; restore those."""
     g = tree[AT_GROUPS] + GROUP_INTEGERS * group
     column, columns = tree[g + GROUP_COLUMN], tree[g + GROUP_COLUMNS]
     speed, before = tree[AT_SPEED] + column, tree[AT_MOVED] + column
@@ -324,9 +324,9 @@ def _is_bent(tree, memory, group, fastest):
 
 @scalar
 def _follow(tree, numbers, memory, group):
-    """Move a closed group's independent joints from where they are to the target.
+    """Move a closed group's independent joints to the target.
 
-    The report gets the share of the way and the residual where that fails.
+    If that fails, report the share of the way and the residual.
     """
     target = tree[AT_TARGET]
     closed = tree[AT_CLOSED]
@@ -349,9 +349,10 @@ def _follow(tree, numbers, memory, group):
             if fastest == 0.0:
                 return CLOSED
             _remember(tree, memory, group)
-            # Beyond a fold, and on the other branch before it, the determinant has the other sign.
+            # The determinant has the other sign beyond a fold, and on the other branch before the
+            # fold.
             pivot = memory[signs + group]
-            # Near a singular pose what is left open moves joints by much: nothing is left but
+            # Near a singular pose even a small residual moves joints by much, so it is reduced to
             # rounding.
             enough = numbers[tolerances + 1] if abs(pivot) >= near else 0.0
         step = min(step, 1.0 - done, LARGEST_PREDICTED_STEP / fastest)
@@ -360,7 +361,7 @@ def _follow(tree, numbers, memory, group):
         for j in range(tree[g + GROUP_DRIVERS]):
             driver = tree[first_driver + j]
             start, end = memory[origin + driver], memory[target + driver]
-            # Exactly the positions asked for, at the end.
+            # The end is copied, so that it has no rounding error.
             memory[configuration + tree[independent_q + driver]] = (
                 end if goal == 1.0 else start + goal * (end - start)
             )
@@ -384,7 +385,7 @@ def _follow(tree, numbers, memory, group):
 
 @scalar
 def _stopped(tree, numbers, memory, group, done):
-    """Let only the independent joints of a group go on to the target, which opens its loops.
+    """Move only the independent joints of a group on to the target, which opens the loops.
 
     Report the share of the way and the residual.
     """
@@ -414,9 +415,9 @@ def _stopped(tree, numbers, memory, group, done):
 
 @scalar
 def settled(tree, numbers, memory):
-    """Close all loops from a guess that is in the configuration, its independent joints fixed.
+    """Close all loops from the guess in the configuration, with fixed independent joints.
 
-    Return what became of it; the report gets the share of the way (0), the residual and the group.
+    Return the outcome; report the share of the way (0), the residual and the group.
     """
     report = tree[AT_REPORT]
     elements = tree[ELEMENTS]
@@ -435,10 +436,9 @@ def settled(tree, numbers, memory):
 
 @scalar
 def moved_to(tree, numbers, memory):
-    """Move the independent joints of a closed pose to the target, all loops closed.
+    """Move the independent joints of a closed pose to the target, with closed loops.
 
-    Return what became of it; the report gets the share of the way, the residual and the group where
-    that fails.
+    Return the outcome; if that fails, report the share of the way, the residual and the group.
     """
     report = tree[AT_REPORT]
     target = tree[AT_TARGET]
@@ -456,7 +456,7 @@ def moved_to(tree, numbers, memory):
         if outcome != CLOSED:
             memory[report + 2] = float(group)
             return outcome
-    # Those that no loop contains have not been moved yet.
+    # Joints that no loop contains have not been moved yet.
     for j in range(tree[POSITIONS]):
         memory[configuration + tree[independent_q + j]] = memory[target + j]
     elements = tree[ELEMENTS]
@@ -469,14 +469,14 @@ def moved_to(tree, numbers, memory):
 
 @scalar
 def _frames_again(tree, numbers, memory):
-    """Place the frames of all closures anew, because the bases of their groups have moved."""
+    """Recompute the frames of all closures, because the bases of their groups have moved."""
     for group in range(tree[GROUPS]):
         residual_of(tree, numbers, memory, group)
 
 
 @scalar
 def spread(tree, memory, group, out):
-    """Solve a group's equations, and put the dependent speeds where they belong."""
+    """Solve a group's equations, and copy the dependent speeds to their places."""
     right = tree[AT_RIGHT]
     dependent_v = tree[AT_DEPENDENT_V]
     solved(tree, memory, group)

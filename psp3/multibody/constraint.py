@@ -1,4 +1,4 @@
-"""The closure equations of a tree at any configuration, compiled: for what looks for one."""
+"""Compiled closure equations of a tree at any configuration, for the search of a closed one."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from psp3.multibody.tree import (
 def closure_equations(tree: Indices, numbers: Array, memory: Array, q: Array, out: Array) -> None:
     """Write the residuals of all closures (m), and their derivative by dependent speeds (m · nv).
 
-    Group by group, the derivative row by row, and only if ``out`` has room for it.
+    They are written group by group, the derivative row by row and only if ``out`` has room for it.
     """
     rows_of_all = tree[ROWS]
     for i in range(rows_of_all, out.shape[0]):

@@ -1,4 +1,4 @@
-"""A tree with loops that answers questions: the compiled kernels with their memory."""
+"""The compiled kernels of a tree with loops, with their memory."""
 
 from __future__ import annotations
 
@@ -55,11 +55,13 @@ from psp3.multibody.tree import (
 )
 
 GRAIN = 1
-"""Blocks of rows that take a thread about 50 µs; one of the smallest robot takes a hundred."""
+"""Blocks of rows in one task of a thread, which should take at least 50 µs. A single block takes
+100 µs even for the smallest robot.
+"""
 
 NEAR_SINGULAR = 0.02
-"""A pose whose smallest pivot is smaller than this share of the reference pose's is near a singular
-one.
+"""A pose is near a singular one if its smallest pivot is below this share of the pivot at the
+reference pose.
 """
 
 
@@ -67,7 +69,7 @@ _ENTRIES = (np.dtype(np.int64), np.dtype(np.float64))
 
 
 class NoAnswer(Exception):
-    """A row that has no answer: which, what became of it, and where; the robot says it in words."""
+    """A row has no answer. It stores the row, outcome and place; the robot writes the message."""
 
     def __init__(self, row: int, outcome: int, share: float, residual: float, q: Array) -> None:
         super().__init__(row, outcome, share, residual, q)
@@ -75,7 +77,7 @@ class NoAnswer(Exception):
 
 
 class Tables(NamedTuple):
-    """What kernels take that go on by themselves: the tree, its numbers, and a memory of theirs."""
+    """The arguments of kernels that run without Python: the tree, its numbers, and their memory."""
 
     tree: Indices
     numbers: Array
@@ -83,10 +85,10 @@ class Tables(NamedTuple):
 
 
 class LastPose:
-    """The pose in which a caller was last, and from which the next one is looked for.
+    """The last pose of a caller, from which the search for the next one starts.
 
-    A robot that moves little between two questions is asked faster with it. The answers are the
-    same, to rounding, as long as no singular pose lies between.
+    Calls are faster with it if the robot moves little between them. The answers are the same to
+    rounding, as long as no singular pose lies between.
 
     Get one from ``robot.last_pose()``; it belongs to that robot and to one thread at a time.
     """
@@ -104,7 +106,7 @@ class LastPose:
 class Core:
     """The dynamics of a tree with loops in its independent coordinates.
 
-    It can be shared by threads, pickled and copied: what a call changes belongs to the call.
+    It can be shared by threads, pickled and copied, because each call has its own memory.
 
     Parameters
     ----------
@@ -121,14 +123,15 @@ class Core:
     springs : mapping, optional
         Stiffness and rest of joints, by name.
     mismatch : float
-        Residual that may be left where equations contradict each other by rounding [m, rad].
+        Residual that is allowed if rounded equations contradict each other [m, rad].
     weakest : float
-        Share of a group's smallest pivot at the guess up to which a pose counts as singular.
+        A pose counts as singular if a group's smallest pivot is at most this share of that at the
+        guess.
 
     Raises
     ------
     UnsupportedJoint
-        If a joint is none that the kernels know.
+        If the kernels do not support a joint.
     NoAnswer
         If the loops cannot be closed near the guess.
     """
@@ -148,7 +151,7 @@ class Core:
         self.tree, self.numbers = flat.integers, flat.numbers
         self.coordinates, self.joints = model.nq, int(self.tree[INDEPENDENT])
         self._model = model
-        # A view of the model's own: who changes gravity there changes it here.
+        # A view, so that a change of the model's gravity takes effect here.
         self._free_fall = model.gravity.linear
         self.size = int(self.tree[SIZE])
         self._spare: list[Array] = []
@@ -159,7 +162,7 @@ class Core:
         self._settle(guess, self._reference)
         for group in range(int(self.tree[GROUPS])):
             pivot = abs(self._reference[int(self.tree[AT_SIGNS]) + group])
-            # Loops without a joint that follows have none that could be singular.
+            # The pivot of a group without dependent joints is infinite, and it is never singular.
             pivot = pivot if np.isfinite(pivot) else 0.0
             at = int(self.tree[AT_TOLERANCES]) + GROUP_NUMBERS * group
             self.numbers[at + 2] = NEAR_SINGULAR * pivot
@@ -168,7 +171,7 @@ class Core:
         self._is_compiled = False
 
     def _kernels(self, rows: int = 1) -> tuple[Callable[..., int], Callable[..., int]]:
-        """Return what answers and what differentiates: compiled, unless only a few calls come."""
+        """Return the kernels of answers and derivatives, uncompiled if few calls are expected."""
         if rows <= BLOCK and are_few_calls() and not is_ready(answer):
             return _answer_of_twin, twin_of(derivatives)
         if not self._is_compiled:
@@ -190,14 +193,14 @@ class Core:
         return self._reference[at : at + self.coordinates].copy()
 
     def frame(self, joint: int, placement: pin.SE3) -> Array:
-        """Return what the question about a frame takes: the element that carries it, and where.
+        """Return a frame as numbers for the kernels: its element, and its placement there.
 
         Parameters
         ----------
         joint : int
             Number of the joint that moves the frame; 0 is the base.
         placement : pinocchio.SE3
-            Of the frame in the joint's axes.
+            Placement of the frame in the joint's axes.
         """
         carrier = -1
         if joint > 0:
@@ -210,7 +213,7 @@ class Core:
         return np.concatenate([[carrier], placement.rotation.reshape(-1), placement.translation])
 
     def only_drivers(self) -> Indices:
-        """Return the independent speed that each joint velocity follows alone, or −1, (nv,)."""
+        """Return the only independent speed on which each joint velocity depends, or −1, (nv,)."""
         tree = self.tree
         found = np.full(int(tree[VELOCITIES]), -1)
         found[tree[int(tree[AT_INDEPENDENT_V]) :][: self.joints]] = np.arange(self.joints)
@@ -223,7 +226,7 @@ class Core:
         return found
 
     def last_pose(self) -> LastPose:
-        """Return memory for a caller who asks about one pose after the other."""
+        """Return the memory of a caller who moves from pose to pose."""
         return LastPose(self)
 
     def tables(self) -> Tables:
@@ -237,7 +240,7 @@ class Core:
             raise InvalidValue("guess", last_pose, "the last pose of this robot: robot.last_pose()")
 
     def _settle(self, guess: Array, memory: Array) -> None:
-        """Close the loops from a guess, independent joints fixed; begin the memory with it."""
+        """Close the loops from a guess, at fixed independent joints; keep the pose in memory."""
         at = int(self.tree[AT_CONFIGURATION])
         memory[at : at + self.coordinates] = guess
         none, tree = np.empty(0), self.tree
@@ -249,7 +252,7 @@ class Core:
             raise self._no_answer(0, memory)
 
     def _no_answer(self, row: int, memory: Array) -> NoAnswer:
-        """Return what became of a row, from the memory's report."""
+        """Return the error for a row, from the report in the memory."""
         report = memory[int(self.tree[AT_REPORT]) :]
         at = int(self.tree[AT_CONFIGURATION])
         q = memory[at : at + self.coordinates].copy()
@@ -264,29 +267,31 @@ class Core:
         out: Array,
         last_pose: LastPose | None,
     ) -> bool:
-        """Write the answer to a question about one state, as fast as that goes; see :meth:`ask`.
+        """Write the answer to a question about one state with the least overhead; see :meth:`ask`.
 
         Parameters
         ----------
         positions, second, third : (n,) ndarray
-            What users gave, unchecked.
+            Unchecked arguments of the user.
 
         Returns
         -------
         bool
-            Whether there is one. If not, or after a TypeError, :meth:`ask` says why.
+            Whether there is an answer. If not, or after a TypeError, :meth:`ask` raises the right
+            error.
         """
         if last_pose is None:
             try:
                 memory = self._spare.pop()
             except IndexError:
-                # Asked before, another thread could take the last one in between.
+                # A check of the length before would leave time for another thread to take the last
+                # one.
                 memory = np.empty(self.size)
             warm = 0
         else:
             self._check(last_pose)
             memory, warm = last_pose.memory, last_pose.is_closed
-            # Until this call has gone well.
+            # It is set again when this call has succeeded.
             last_pose.is_closed = 0
         if question >= INVERSE_DERIVATIVES:
             row = self._differentiated(question, warm, memory, positions, second, third, out)
@@ -328,15 +333,15 @@ class Core:
         Parameters
         ----------
         question : int
-            Which one.
+            The number of the question.
         positions, second, third : (N, p), (N, n) and (N, n) ndarray
             Independent coordinates; speeds; accelerations or forces.
         out : (N, w) ndarray
-            Where the answers go.
+            Receives the answers.
         guess : (nq,) ndarray or LastPose, optional
-            Where the first row starts, instead of the reference.
+            The pose from which the first row starts; the reference pose by default.
         is_path : bool
-            Whether each row starts from the one before, however far.
+            Whether each row starts from the preceding one, at any distance.
 
         Raises
         ------
@@ -372,7 +377,7 @@ class Core:
         guess: Array | LastPose | None,
         is_path: bool,
     ) -> None:
-        """Answer row after row, from where the caller says."""
+        """Answer the rows one after the other, starting from the pose of the caller."""
         if isinstance(guess, LastPose):
             self._check(guess)
             memory, warm = guess.memory, guess.is_closed
@@ -386,7 +391,8 @@ class Core:
             row = self._answer(question, warm, int(is_path), memory, *given)
             if row >= 0:
                 raise self._no_answer(rows.start + row, memory)
-            # The next piece goes on along the path, or else from the reference, as each block does.
+            # The next block continues along the path, or starts from the reference, as each block
+            # does.
             warm = int(is_path)
         if isinstance(guess, LastPose):
             guess.is_closed = 1
@@ -439,12 +445,12 @@ class Core:
         third: Array,
         out: Array,
     ) -> int:
-        """Write derivatives of one state: those of the answer that is asked for first."""
+        """Write the derivatives of one state; they need the answer itself first."""
         if self._partly:
             raise InvalidValue(
                 "coordinates",
                 f"some speeds of joint {self._partly!r}",
-                "all or none of a joint whose speeds are no rates of coordinates, for derivatives: "
+                "for derivatives, all or none of a joint whose speeds are not coordinate rates: "
                 "choose others, coordinates=[...]",
             )
         dynamics = INVERSE_DYNAMICS if question == INVERSE_DERIVATIVES else FORWARD_DYNAMICS
@@ -470,7 +476,7 @@ class Core:
 
 
 def _answer_of_twin(*arguments: Any) -> int:
-    """Answer as Python runs the kernel, for arguments that the compiled one takes."""
+    """Run the kernel in Python, but accept only arguments that the compiled kernel accepts."""
     for one in arguments[4:]:
         is_array = type(one) is np.ndarray and one.ndim == 1
         if not is_array or one.dtype not in _ENTRIES or not one.flags.carray:
@@ -480,7 +486,7 @@ def _answer_of_twin(*arguments: Any) -> int:
 
 
 def _partly_independent(model: pin.Model, independent_v: set[int]) -> str:
-    """Return a joint whose speeds are no rates and of which only some are independent; or ''."""
+    """Return a joint whose speeds are not coordinate rates and only partly independent; or ''."""
     for index in range(1, model.njoints):
         joint = model.joints[index]
         speeds = set(range(joint.idx_v, joint.idx_v + joint.nv))

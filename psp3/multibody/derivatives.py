@@ -1,11 +1,11 @@
-r"""Derivatives of the forces of a motion by positions and speeds, along closed loops, compiled.
+r"""Compiled derivatives of the forces of a motion by positions and speeds, with closed loops.
 
-With :math:`X_k` the twists of all elements at unit speed of the independent coordinate k, the
-tangent of a motion needs no derivative of its own: along coordinate k a field that moves with its
-element changes by :math:`X_k \times`, and beyond that velocities change by :math:`\dot X_k` and
-accelerations by :math:`\ddot X_k + \dot X_k \times V`, the rates of :math:`X_k` *along the motion*,
-because derivatives by two coordinates may be exchanged:
-:math:`\partial_k X_i - \partial_i X_k = X_k \times X_i`. So
+Let :math:`X_k` be the twists of all elements at unit speed of the independent coordinate k. The
+derivative along coordinate k of a field that moves with its element is :math:`X_k \times`. In
+addition, velocities change by :math:`\dot X_k` and accelerations by :math:`\ddot X_k + \dot X_k
+\times V`. These are rates of :math:`X_k` *along the motion*, because derivatives by two coordinates
+can be exchanged: :math:`\partial_k X_i - \partial_i X_k = X_k \times X_i`. So no other derivatives
+are needed:
 
 .. math::
 
@@ -15,14 +15,15 @@ because derivatives by two coordinates may be exchanged:
     B Z = I (Z \times V) + Z \times^* I V + V \times^* I Z,
 
 where :math:`X_k^p` is the twist of the element's parent and F the wrench on all that an element
-carries, with the forces in the loops. These make up for the change of L: with
-:math:`J_u^T \mu = -f_u` the forces of the loops, :math:`\mu^T \partial_i J L_k` is all that is left
-of it. Half of that are the screws of the joints, which move with their elements, and are in F; the
-other half (the dots above) is the force at a closure that turns with it. Of a body B is the change
-of twice the velocity: a force and a torque that depend on the turning of Z alone.
+carries, with the forces in the loops. These forces account for the change of L. With the forces of
+the loops :math:`\mu` from :math:`J_u^T \mu = -f_u`, only :math:`\mu^T \partial_i J L_k` remains of
+that change. Half of it is the motion of the joint screws with their elements, which F contains. The
+other half (the dots above) is the rotation of the force at a closure with the closure. For a single
+body, B describes the change of twice its velocity: a force and a torque that depend only on the
+rotational part of Z.
 
-One solution of the loops' equations a coordinate gives :math:`\ddot L`. There are none for the
-derivatives by speeds.
+The equations of the loops are solved once per coordinate to get :math:`\ddot L`, and not at all for
+the derivatives by speeds.
 """
 
 from __future__ import annotations
@@ -147,7 +148,7 @@ def _subtract(memory, a, b, factor, out):
 
 @scalar
 def _set(memory, at, count, value):
-    """Write a number into all places from the first on."""
+    """Write a number into ``count`` places."""
     for i in range(count):
         memory[at + i] = value
 
@@ -156,8 +157,8 @@ def _set(memory, at, count, value):
 def differentiate(tree, numbers, memory, forces):
     """Write the derivatives of the independent forces by positions and by speeds, column by column.
 
-    The memory has a motion with all its forces, those of independent joints at ``forces``, the mass
-    matrix, L, its twists and their rates. The elements' forces are overwritten.
+    The memory holds a motion with all its forces (those of independent joints at ``forces``), the
+    mass matrix, L, its twists and their rates. The elements' forces are overwritten.
     """
     _load(tree, numbers, memory)
     _spins(tree, memory)
@@ -218,10 +219,10 @@ def _load(tree, numbers, memory):
 
 @scalar
 def _pull(tree, memory, closure, row, out):
-    """Write what a closure's multipliers are in base axes; return where their wrench is.
+    """Write the multipliers of a closure in base axes; return the place of their wrench.
 
-    That is a force (3), and the torque or, of a hinge, what its torque is the cross product of the
-    axis with (3).
+    It is a force (3) and a torque (3). For a hinge, a vector whose cross product with the axis is
+    the torque replaces the torque.
     """
     f, axis = tree[AT_FRAMES] + 24 * closure, tree[AT_VECTORS]
     wrench, point = axis + 3, f + 21
@@ -246,8 +247,8 @@ def _pull(tree, memory, closure, row, out):
 def _spins(tree, memory):
     r"""Write B of all bodies: twice the momentum (3), and the matrix of the torque by columns (9).
 
-    With x the places of a body's particles and v their velocities, B Z is the wrench of
-    :math:`2 z \times v`, and the matrix :math:`2 \sum m ((x^T v) 1 - v x^T)`.
+    With x the positions of a body's particles and v their velocities, B Z is the wrench of :math:`2
+    z \times v`, and the matrix :math:`2 \sum m ((x^T v) 1 - v x^T)`.
     """
     moments = tree[AT_VECTORS]
     for body in range(tree[BODIES]):
@@ -264,7 +265,7 @@ def _spins(tree, memory):
             memory[o + i] = 2.0 * memory[inertia] * memory[v + i]
         for k in range(3):
             for i in range(3):
-                # The place of an entry of a symmetric matrix.
+                # The six entries of a symmetric matrix are stored.
                 at = inertia + 4 + i + k + (1 if i > 0 and k > 0 else 0)
                 # Twice the second moments of mass.
                 memory[moments + i] = (trace if i == k else 0.0) - 2.0 * memory[at]
@@ -290,7 +291,7 @@ def _add_spinning(tree, memory, e, moved, Z, out):
 
 @scalar
 def _along_speed(tree, numbers, memory, k):
-    """Write how the wrenches of all elements and the loads of joints change with speed k."""
+    """Write the derivatives by speed k of all elements' wrenches and of the joints' loads."""
     elements, T, nv = tree[ELEMENTS], tree[AT_FIELD_FORCES], tree[VELOCITIES]
     wide, twice = 6 * (elements + 1), T + 6 * elements
     X, rates = tree[AT_FIELDS] + wide * k, tree[AT_RATES] + wide * k
@@ -314,7 +315,7 @@ def _along_speed(tree, numbers, memory, k):
 
 @scalar
 def _axis_of(kind, number):
-    """Return the place of a joint's velocity in its twist, of a joint of many freedoms."""
+    """Return the place in its twist of a velocity of a joint with several degrees of freedom."""
     if kind == BALL:
         return 3 + number
     return 5 if kind == PLANAR and number == 2 else number
@@ -322,7 +323,7 @@ def _axis_of(kind, number):
 
 @scalar
 def _lift(tree, memory, e, speeds, out):
-    """Write the twist of a joint of many freedoms in its own axes, from speeds of all joints."""
+    """Write the twist of a joint with several freedoms in its own axes, from all joint speeds."""
     row = tree[AT_ELEMENTS] + ELEMENT_INTEGERS * e
     _set(memory, out, 6, 0.0)
     for i in range(tree[row + FREEDOMS]):
@@ -331,9 +332,9 @@ def _lift(tree, memory, e, speeds, out):
 
 @scalar
 def _add_bracket(tree, numbers, memory, e, factor, one, other):
-    """Add to the loads of a joint of many freedoms a factor of the joint times a cross product.
+    """Add a factor times a cross product to the loads of a joint with several degrees of freedom.
 
-    Of two of its twists in its own axes. The factor is its inertia or its damping.
+    The product is that of two of its twists in its own axes; the factor is its inertia or damping.
     """
     row, a = tree[AT_ELEMENTS] + ELEMENT_INTEGERS * e, tree[AT_VECTORS]
     _lift(tree, memory, e, one, a)
@@ -350,7 +351,7 @@ def _add_bracket(tree, numbers, memory, e, factor, one, other):
 
 @scalar
 def _rates_again(tree, numbers, memory, k):
-    """Write the second rates of the twists of column k of L, and that of the column to the loads.
+    """Write the second rates of the twists of column k of L; write that of the column to the loads.
 
     The elements' forces are overwritten.
     """
@@ -383,9 +384,9 @@ def _rates_again(tree, numbers, memory, k):
 
 @scalar
 def _accelerated_again(tree, numbers, memory, group, k):
-    """Write the second rate of J z in a closed group, for z a column of L whose own is left out.
+    """Write the second rate of J z in a closed group without the second rate of z, a column of L.
 
-    J z is zero all the time, so that no rate of the axes of its rows matters.
+    J z is always zero, so the rates of the axes of its rows do not matter.
     """
     base, nv, x = tree[ELEMENTS], tree[VELOCITIES], tree[AT_VECTORS]
     g, wide, second = tree[AT_GROUPS] + GROUP_INTEGERS * group, 6 * (base + 1) * k, x + 12
@@ -413,11 +414,11 @@ def _accelerated_again(tree, numbers, memory, group, k):
             continue
         a = 6 * (one if one >= 0 else base)
         b = 6 * (two if two >= 0 else base)
-        # How the second body moves against the first: X, 2 Ẋ and Ẍ.
+        # Motion of the second body relative to the first: X, 2 Ẋ and Ẍ.
         _subtract(memory, tree[AT_FIELDS] + wide + b, tree[AT_FIELDS] + wide + a, 1.0, x)
         _subtract(memory, tree[AT_RATES] + wide + b, tree[AT_RATES] + wide + a, 2.0, x + 6)
         _subtract(memory, tree[AT_SECOND_RATES] + b, tree[AT_SECOND_RATES] + a, 1.0, second)
-        # Of a point, and of a hinge's axis.
+        # First of the point, then of a hinge's axis.
         for part in range(1 if kind == POINT else 2):
             for i in range(3):
                 memory[x + 18 + i] = memory[f + 21 + i] if part == 0 else memory[f + 14 + 3 * i]
@@ -445,11 +446,11 @@ def _slope_of_spin(tree, numbers, memory, closure, out):
 
 @scalar
 def _spin_again(tree, numbers, memory, closure, k):
-    """Write a spin's derivative, and what of its second rate is along it.
+    """Write a spin's derivative, and the component of its second rate along the derivative.
 
-    With the quaternion Q of its ball, which the residual takes linearly, and angular velocities ω
-    and z of the motion and of column k of L, that is the part along the derivative of the product
-    Q (¼ ω ω z + ½ ω' z + ω z'); what is along Q itself has no part in a closed spin.
+    The residual is linear in the quaternion Q of the ball joint. With the angular velocities ω of
+    the motion and z of column k of L, the component is that of the product Q (¼ ω ω z + ½ ω' z + ω
+    z'). A component along Q itself does not matter for a closed spin.
     """
     nv, x = tree[VELOCITIES], tree[AT_VECTORS]
     v = tree[tree[AT_CLOSURES] + CLOSURE_INTEGERS * closure + COUPLED_SPEED]
@@ -468,10 +469,11 @@ def _spin_again(tree, numbers, memory, closure, k):
 
 @scalar
 def _swing(tree, memory, b, part):
-    """Write the second rate of what the relative twists do to a vector that moves with a body.
+    """Write the second rate of the change that relative twists cause in a vector on a body.
 
-    The vectors hold these twists (3 · 6) and the vector (3), and get its rate and second rate (6),
-    and the result (3). Part 0 is a point, with the twists' linear parts, and 1 a direction.
+    The vectors of the memory hold these twists (3 · 6) and the vector (3). They receive the
+    vector's rate and second rate (6), and the result (3). Part 0 is a point, with the twists'
+    linear parts, and 1 a direction.
     """
     V, A, x = tree[AT_VELOCITIES] + b, tree[AT_ACCELERATIONS] + b, tree[AT_VECTORS]
     u, rate, second, out = x + 18, x + 21, x + 24, x + 27
@@ -489,7 +491,7 @@ def _swing(tree, memory, b, part):
 
 @scalar
 def _along_position(tree, numbers, memory, k):
-    """Write how the wrenches of all elements and the loads of joints change with position k."""
+    """Write the derivatives by position k of all elements' wrenches and of the joints' loads."""
     elements, T, nv = tree[ELEMENTS], tree[AT_FIELD_FORCES], tree[VELOCITIES]
     wide, second, x = 6 * (elements + 1), tree[AT_SECOND_RATES], tree[AT_VECTORS]
     X, rates = tree[AT_FIELDS] + wide * k, tree[AT_RATES] + wide * k
@@ -499,7 +501,7 @@ def _along_position(tree, numbers, memory, k):
         memory[x + i] = numbers[tree[AT_FREE_FALL] + i]
     for body in range(tree[BODIES]):
         e = 6 * tree[tree[AT_MASSIVE] + body]
-        # The free fall does not turn with the elements.
+        # The acceleration of free fall does not rotate with the elements.
         _add_cross(memory, X + e + 3, x, second + e)
         _add_spinning(tree, memory, e // 6, second + e, rates + e, T + e)
     for e in range(elements):
@@ -525,10 +527,10 @@ def _along_position(tree, numbers, memory, k):
 
 @scalar
 def _turn_joint(tree, numbers, memory, e, L, change):
-    """Add to the loads of a joint of many freedoms what its motors and damping do in its axes.
+    """Add the effect of motors and damping to the loads of a joint with several degrees of freedom.
 
-    Its axes turn: derivatives of its twists by two coordinates differ by their cross product, and
-    so does the force that these twists meet.
+    Its axes rotate, so derivatives of its twists by two coordinates differ by their cross product,
+    and so do the forces on these twists.
     """
     row = tree[AT_ELEMENTS] + ELEMENT_INTEGERS * e
     first, count = tree[row + INDEX_V], tree[row + FREEDOMS]
@@ -554,7 +556,7 @@ def _turn_joint(tree, numbers, memory, e, L, change):
 
 @scalar
 def _turn_closure(tree, numbers, memory, closure, k):
-    """Add what the force in a loop does because its closure turns or bends."""
+    """Add the effect of the force in a loop when its closure rotates or bends."""
     base, nv, x = tree[ELEMENTS], tree[VELOCITIES], tree[AT_VECTORS]
     X, T = tree[AT_FIELDS] + 6 * (base + 1) * k, tree[AT_FIELD_FORCES]
     c, f = tree[AT_CLOSURES] + CLOSURE_INTEGERS * closure, tree[AT_FRAMES] + 24 * closure
@@ -574,7 +576,7 @@ def _turn_closure(tree, numbers, memory, closure, k):
             memory[x + i] *= 0.5 * memory[o]
         _add_cross(memory, tree[AT_COMPLEMENT] + nv * k + v, x, tree[AT_JOINT_LOADS] + v)
     elif kind != FRAME and two >= 0:
-        # Joined frames do not turn against each other, and the base does not move.
+        # Joined frames do not rotate relative to each other, and the base does not move.
         _subtract(memory, X + 6 * two, X + 6 * (one if one >= 0 else base), 1.0, x)
         _set(memory, x + 6, 6, 0.0)
         _add_cross(memory, o, x + 3, x + 6)
@@ -590,10 +592,11 @@ def _turn_closure(tree, numbers, memory, closure, k):
 
 @scalar
 def _at_free_joints(tree, memory, forces):
-    """Correct derivatives by an independent joint of many freedoms, whose speeds are no rates.
+    """Correct derivatives by independent joints whose speeds are not rates of coordinates.
 
-    Derivatives along two of these may not be exchanged: they differ by the one along their cross
-    product. Those by positions are at constant speeds, in the joint's own axes, which turn.
+    Derivatives along two such speeds cannot be exchanged: they differ by the derivative along the
+    cross product. Derivatives by positions are at constant speeds in the joint's own axes, which
+    rotate.
     """
     n, M, column_of = tree[INDEPENDENT], tree[AT_MASS], tree[AT_COLUMN_OF]
     unit, speeds = tree[AT_VECTORS], tree[AT_VECTORS] + 6
@@ -615,7 +618,7 @@ def _at_free_joints(tree, memory, forces):
                 k = -1 - tree[column_of + first + axis]
                 _set(memory, unit, 6, 0.0)
                 memory[unit + _axis_of(tree[row + KIND], axis)] = 1.0
-                # How much faster it seems to turn, and to speed up, and its force.
+                # The apparent changes of velocity, acceleration and force.
                 _set(memory, unit + 24, 18, 0.0)
                 _add_product(memory, speeds, unit, unit + 24)
                 _add_product(memory, speeds + 6, unit, unit + 30)
@@ -638,9 +641,9 @@ def _at_free_joints(tree, memory, forces):
 
 @scalar
 def _bring(tree, memory, out):
-    """Add to n independent forces what wrenches of all elements and loads of joints make of them.
+    """Add the wrenches of all elements and the loads of joints to n independent forces.
 
-    The wrenches are summed up over what each element carries.
+    The wrench of each element is replaced by the sum over all that it carries.
     """
     n, nv, L = tree[INDEPENDENT], tree[VELOCITIES], tree[AT_COMPLEMENT]
     T, screws = tree[AT_FIELD_FORCES], tree[AT_SCREWS]

@@ -1,4 +1,4 @@
-"""What closes a tree besides constraint models: hinges, couplings, balls held in spin."""
+"""Closures for which Pinocchio has no constraint model: hinges, couplings, balls without spin."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ class Coupling(NamedTuple):
     y: int
     """The joint that follows, of one degree of freedom in one coordinate."""
     x: int
-    """The joint that leads, as well."""
+    """The joint that leads, of the same kind."""
     coefficients: tuple[float, ...]
-    """Of the polynomial, the constant first, up to five."""
+    """Coefficients of the polynomial, the constant first; at most five."""
 
 
 class Spin(NamedTuple):
-    """A ball joint that does not turn about an axis of what it carries."""
+    """A ball joint that does not rotate about an axis of its body."""
 
     name: str
     joint: int
     axis: Array
-    """In the axes of the body that the joint carries, (3,)."""
+    """The axis, in the axes of the body that the joint carries, (3,)."""
     quaternion: Array
-    """Where it is held, (x, y, z, w)."""
+    """The quaternion at which it is held, (x, y, z, w)."""

@@ -1,4 +1,4 @@
-"""Answers for a robot that is being made: few, unless its loops have to be looked for."""
+"""Answer questions while a robot is constructed, in Python if there are few of them."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from psp3.multibody.tree import SIZE
 
 
 def first_answer(*arguments: Any) -> int:
-    """Answer as :func:`psp3.multibody.motion.answer` does, without compiling it for that.
+    """Answer as :func:`psp3.multibody.motion.answer` does, but without compiling it.
 
-    A robot that closes at its home asks some hundred questions while it is made. In Python they
-    take about as long as compiled code takes to come from the disk.
+    A robot whose loops are closed at home needs about a hundred answers during its construction. In
+    Python they take about as long as loading the compiled code from the disk.
     """
     kernel: Any = answer if is_ready(answer) else twin_of(answer)
     answered: int = kernel(*arguments)
@@ -25,12 +25,12 @@ def first_answer(*arguments: Any) -> int:
 
 
 def compile_answers(tree: Indices, numbers: Array) -> None:
-    """Compile the answers for arrays that can be written to, and never for anything else.
+    """Compile the answers for writable arrays, the only type of argument they are called with.
 
     Parameters
     ----------
     tree, numbers : ndarray
-        Those of any robot.
+        The arrays of any robot.
     """
     none, memory = np.empty(0), np.empty(int(tree[SIZE]))
     only_for(

@@ -1,4 +1,4 @@
-"""A tree of Pinocchio with closures, as the flat arrays of :mod:`psp3.multibody.tree`."""
+"""Convert a Pinocchio tree with closures to the flat arrays of :mod:`psp3.multibody.tree`."""
 
 from __future__ import annotations
 
@@ -49,39 +49,38 @@ from psp3.multibody.tree import (
 )
 
 CLOSURE_TOLERANCE = 1e-15
-"""Residual at which loops count as closed, per meter of robot [m, rad]: some roundings. Ten times
-as much would save up to a twentieth of a call, and cost two digits of the 3-RRR's dynamics.
+"""Residual at which loops count as closed, per meter of robot [m, rad]: a few rounding errors. A
+value ten times larger would save at most a twentieth of a call, and cost two digits of the 3-RRR's
+dynamics.
 """
 
 LARGEST_RESIDUAL = 1e-11
-"""Residual that loops may keep where Newton's method can do no better, per meter of robot [m,
-rad].
-"""
+"""Residual that loops may keep if Newton's method cannot reduce it, per meter of robot [m, rad]."""
 
 
 Springs = Mapping[str, tuple[float, float]]
 """Stiffness and rest of joints of one degree of freedom, by name [N/m, m or N m, rad]."""
 
 NO_MOTORS = np.zeros(0, dtype=np.int64)
-"""For :func:`flattened`, where no joint counts as independent."""
+"""An argument of :func:`flattened`: no joint is independent."""
 
 
 Flags = NDArray[np.bool_]
 
 
 class FlatTree(NamedTuple):
-    """The arrays of a tree, and what reads them in Python."""
+    """The arrays of a tree, and Python functions that read them."""
 
     integers: Indices
     numbers: Array
     closure_rows: list[int]
     """Equations of each closure, in the order of the groups."""
     order: list[int]
-    """Which of the given closures these are."""
+    """The index of each closure among the given ones."""
     is_length: Flags
-    """Of each equation, whether it is a length [m] and not an angle."""
+    """For each equation, whether it is a length [m] and not an angle."""
     sliding: Flags
-    """Of each velocity, whether it is a length per time."""
+    """For each velocity, whether it is a length per time."""
 
 
 class _Element:
@@ -108,7 +107,7 @@ CLOSING = (pin.RigidConstraintModel, Hinge, Coupling, Spin)
 
 
 class _Closure:
-    """One closure: what it joins, its numbers, and the elements on either side."""
+    """One closure: its ends, its numbers, and the elements on either side."""
 
     def __init__(self, elements: list[_Element], of_joint: list[int], constraint: Any) -> None:
         self.numbers = np.zeros(CLOSURE_NUMBERS)
@@ -140,7 +139,7 @@ class _Closure:
         self.numbers[: len(coupling.coefficients)] = coupling.coefficients
         assert len(coupling.coefficients) <= LARGEST_DEGREE + 1
         self.is_length = [not elements[follows].screw[3:].any()]
-        # A joint that is held follows itself.
+        # A coupling that holds a joint names that joint twice, and the later entry counts.
         self.sides = {leads: -1, follows: 1}
 
     def _hold(self, elements: list[_Element], of_joint: list[int], spin: Spin) -> None:
@@ -159,7 +158,7 @@ def flattened(
     locked_v: Sequence[int] = (),
     springs: Springs | None = None,
 ) -> FlatTree:
-    """Return a tree with loops as the compiled kernels take it.
+    """Return a tree with loops as arrays for the compiled kernels.
 
     Parameters
     ----------
@@ -203,7 +202,7 @@ def flattened(
 
 
 def _checked_places(name: str, places: Any, count: int) -> list[int]:
-    """Return places among velocities; raise :class:`InvalidValue` if they are none."""
+    """Return places among velocities; raise :class:`InvalidValue` if they are not valid."""
     found = places.tolist() if type(places) is np.ndarray else places
     wanted = f"whole numbers below {count}"
     checked_kind(name, found, (list, tuple), wanted)
@@ -218,7 +217,7 @@ def _checked_places(name: str, places: Any, count: int) -> list[int]:
 def _elements(model: pin.Model) -> tuple[list[_Element], list[int]]:
     """Return the elements of a tree, parents first, and the last element of joints.
 
-    For every joint; −1 is the universe.
+    The latter is listed for every joint; −1 is the universe.
     """
     data, neutral = model.createData(), pin.neutral(model)
     pin.computeJointJacobians(model, data, neutral)
@@ -228,7 +227,7 @@ def _elements(model: pin.Model) -> tuple[list[_Element], list[int]]:
         joint, name = model.joints[index], str(model.names[index])
         parent = of_joint[model.parents[index]]
         fixed = data.oMi[model.parents[index]].actInv(data.oMi[index])
-        # Of a model with a single degree of freedom Pinocchio returns a vector.
+        # For a model with a single degree of freedom Pinocchio returns a vector.
         whole = pin.getJointJacobian(model, data, index, pin.ReferenceFrame.LOCAL).reshape(
             6, model.nv
         )
@@ -241,8 +240,8 @@ def _elements(model: pin.Model) -> tuple[list[_Element], list[int]]:
                 _Element(UNBOUNDED, parent, joint.idx_q, joint.idx_v, fixed, axes[:, 0].copy())
             )
         elif joint.nq == joint.nv and joint.nv > 0:
-            # A chain of screws, each seen from the end of the chain, which lets the first carry the
-            # whole fixed placement.
+            # A chain of screws, each in the axes at the end of the chain, so that the first can
+            # hold the whole fixed placement.
             for k in range(joint.nv):
                 placement = fixed if k == 0 else pin.SE3.Identity()
                 at = joint.idx_q + k, joint.idx_v + k
@@ -293,8 +292,8 @@ def _compare(model: pin.Model, elements: list[_Element], of_joint: list[int]) ->
     for index in range(1, model.njoints):
         ours, theirs = placements[of_joint[index]], data.oMi[index]
         turn = np.linalg.norm(elements[of_joint[index]].screw[3:])
-        # Every parent agrees, so the first joint that differs is the one that is not understood.
-        # Kernels take the rotation of a screw to be of unit length.
+        # All parents agree, so the first joint that differs is the unsupported one. Kernels assume
+        # that the rotation of a screw has unit length.
         if min(turn, abs(turn - 1.0)) > 1e-12 or not np.allclose(
             ours.homogeneous,
             theirs.homogeneous,
@@ -305,7 +304,7 @@ def _compare(model: pin.Model, elements: list[_Element], of_joint: list[int]) ->
 
 
 def _way(elements: list[_Element], end: int) -> list[int]:
-    """Return the elements from one to the root."""
+    """Return the elements from a given one to the root."""
     way = []
     while end >= 0:
         way.append(end)
@@ -366,8 +365,8 @@ class _Group:
             for e in closures[number].sides:
                 shares[e] = shares.get(e, 0) + 1
         self.elements = sorted(shares)
-        # What many closures share comes last, so that the reflections of one leg leave the others
-        # alone.
+        # Elements that many closures share come last, so that the reflections of one leg do not
+        # change the columns of the others.
         first = {
             e: min(k for k, number in enumerate(members) if e in closures[number].sides)
             for e in self.elements
@@ -384,7 +383,7 @@ def _packed(
     held: set[int],
     springs: Springs,
 ) -> FlatTree:
-    """Return the arrays of a tree, of which all parts are known."""
+    """Return the arrays of a tree from its parts."""
     order = [number for members in groups for number in members]
     columns = np.full(model.nv, LOCKED, dtype=np.int64)
     for v, number in independent.items():
@@ -445,7 +444,7 @@ def _packed(
         tolerances += [LARGEST_RESIDUAL * size, CLOSURE_TOLERANCE * size, 0.0, 0.0, 0.0]
     last = [len(members_list), len(closures), len(paths), len(drivers), row, len(dependent)]
     table.append([*last, 0, 0, 0, factor_at, driven_at, 0])
-    # The last members are all elements.
+    # The list of members ends with all elements.
     members_list += range(len(elements))
     bodies = [_body(element) for element in elements]
     places = [place for v in independent for place in _coordinates(elements, v)]
@@ -514,9 +513,9 @@ def _floating(elements: list[_Element]) -> int:
 
 
 def _coordinates(elements: list[_Element], velocity: int) -> list[int]:
-    """Return the places of the coordinates that come with an independent velocity.
+    """Return the places of the coordinates that belong to an independent velocity.
 
-    Those of a free flyer or a planar joint all come with its first.
+    All coordinates of a free flyer or a planar joint belong to its first velocity.
     """
     for element in elements:
         if velocity in element.velocities:
@@ -528,7 +527,7 @@ def _coordinates(elements: list[_Element], velocity: int) -> list[int]:
 
 
 def _sliding(model: pin.Model, elements: list[_Element]) -> Flags:
-    """Return of each velocity whether it is a length per time."""
+    """Return for each velocity whether it is a length per time."""
     sliding = np.zeros(model.nv, dtype=bool)
     for element in elements:
         if element.kind == FREE:
@@ -541,9 +540,9 @@ def _sliding(model: pin.Model, elements: list[_Element]) -> Flags:
 
 
 def _ends(rows: int, columns: int, entries: set[tuple[int, int]]) -> list[int]:
-    """Return, of each column of a group's Jacobian, the row below its last entry when factored.
+    """Return the row below the last entry of each column of a group's factored Jacobian.
 
-    A reflection spreads the entries of its rows over all of these.
+    A reflection fills all rows that it combines.
     """
     filled = np.zeros((rows, columns), dtype=bool)
     for row, column in entries:
@@ -561,7 +560,7 @@ def _ends(rows: int, columns: int, entries: set[tuple[int, int]]) -> list[int]:
 def _limits(model: pin.Model, independent: dict[int, int]) -> Array:
     """Return the lowest and highest value of every coordinate, (nq, 2).
 
-    Trajectories and the simulation check those of independent joints.
+    Trajectories and the simulation check the limits of independent joints.
     """
     limits = np.tile([-np.inf, np.inf], (model.nq, 1))
     for joint in list(model.joints)[1:]:
@@ -574,7 +573,7 @@ def _limits(model: pin.Model, independent: dict[int, int]) -> Array:
 
 
 def _begins(parts: Sequence[Any], first: int) -> list[int]:
-    """Return where each part begins, of parts that follow on one another from ``first`` on."""
+    """Return where each part begins if the parts follow each other, starting at ``first``."""
     return [first + sum(len(part) for part in parts[:number]) for number in range(len(parts))]
 
 

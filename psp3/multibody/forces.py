@@ -1,9 +1,10 @@
-r"""Motion and forces of a closed pose, compiled: velocities, accelerations, RNEA, projection.
+r"""Compiled motion and forces of a closed pose: velocities, accelerations, RNEA, projection.
 
-All twists and wrenches are in base axes at the base's origin, or at a floating base, so that a
-joint's force is the product of its screw with the wrench of all that it carries (recursive
-Newton–Euler, J. Y. S. Luh, M. W. Walker and R. P. C. Paul, 1980). The loops then bring the forces
-of dependent joints to the independent ones, :math:`\tau = L^T f` (thesis eq. 3.37).
+All twists and wrenches are in base axes, about the base's origin or about a floating base. So the
+force of a joint is the product of its screw and the total wrench on the elements that it carries
+(recursive Newton–Euler algorithm, RNEA: J. Y. S. Luh, M. W. Walker and R. P. C. Paul, 1980). The
+loops then project the forces of dependent joints onto the independent ones, :math:`\tau = L^T f`
+(thesis eq. 3.37).
 """
 
 from __future__ import annotations
@@ -64,7 +65,7 @@ from psp3.multibody.tree import (
 
 @scalar
 def independent_speeds(tree, memory, speeds, out):
-    """Put independent speeds where they belong among all velocities; the others become zero."""
+    """Copy independent speeds to their places among all velocities; set the others to zero."""
     independent_v = tree[AT_INDEPENDENT_V]
     for velocity in range(tree[VELOCITIES]):
         memory[out + velocity] = 0.0
@@ -74,7 +75,7 @@ def independent_speeds(tree, memory, speeds, out):
 
 @scalar
 def _driven_by(tree, memory, group, speeds):
-    """Take from the right side what the independent joints' speeds do to a group's equations."""
+    """Subtract the effect of independent speeds from the right side of a group's equations."""
     right, drivers, independent_v = tree[AT_RIGHT], tree[AT_DRIVERS], tree[AT_INDEPENDENT_V]
     g = tree[AT_GROUPS] + GROUP_INTEGERS * group
     rows = tree[g + GROUP_ROWS]
@@ -119,9 +120,10 @@ def twists(tree, memory, speeds, X):
 
 @scalar
 def carried(tree, memory, speeds, X, rate):
-    """Write the twists of all elements for joint speeds, and how they change without L changing.
+    """Write the twists of all elements for joint speeds, and their rates of change at constant L.
 
-    They go to X and to ``rate``. The elements move with their velocities, which may be X itself.
+    The twists go to X, the rates to ``rate``. The elements move with their velocities, which may be
+    X itself.
     """
     elements, V, screws = tree[ELEMENTS], tree[AT_VELOCITIES], tree[AT_SCREWS]
     for i in range(6):
@@ -161,9 +163,9 @@ def carried(tree, memory, speeds, X, rate):
 
 @scalar
 def change_of_joint_speeds(tree, numbers, memory, speeds, X, rate, out):
-    r"""Write how the dependent joint speeds of twists X change, :math:`\dot L`, to ``out``.
+    r"""Write the rates of change of the dependent joint speeds of twists X, :math:`\dot L`.
 
-    It has the changes of the independent ones.
+    ``out`` already holds the rates of the independent ones.
     """
     right, groups = tree[AT_RIGHT], tree[AT_GROUPS]
     for group in range(tree[GROUPS]):
@@ -176,7 +178,7 @@ def change_of_joint_speeds(tree, numbers, memory, speeds, X, rate, out):
 
 @scalar
 def add_change(tree, memory, change, rate):
-    """Add to the accelerations of all elements those of the joints.
+    """Add the contribution of the joint accelerations to the accelerations of all elements.
 
     The forces of the elements are overwritten.
     """
@@ -194,9 +196,9 @@ def add_change(tree, memory, change, rate):
 
 @scalar
 def joint_forces(tree, numbers, memory):
-    """Write the forces of all joints of the open tree: RNEA, motors' inertia, springs and damping.
+    """Write the forces of all joints of the open tree: RNEA, motor inertia, springs and damping.
 
-    Of the velocities and accelerations of the joints and of the elements.
+    The velocities and accelerations of the joints and elements are in the memory.
     """
     elements, screws, forces = tree[ELEMENTS], tree[AT_SCREWS], tree[AT_FORCES]
     q, rests = tree[AT_CONFIGURATION], tree[AT_RESTS]
@@ -234,7 +236,7 @@ def joint_forces(tree, numbers, memory):
 
 @scalar
 def projected(tree, memory, forces, out):
-    r"""Bring forces of all joints to the independent ones, :math:`L^T f` (thesis eq. 3.37)."""
+    r"""Project forces of all joints onto the independent ones, :math:`L^T f` (thesis eq. 3.37)."""
     right, dependent_v, drivers = tree[AT_RIGHT], tree[AT_DEPENDENT_V], tree[AT_DRIVERS]
     for j in range(tree[INDEPENDENT]):
         memory[out + j] = memory[forces + tree[tree[AT_INDEPENDENT_V] + j]]

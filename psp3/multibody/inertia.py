@@ -1,4 +1,4 @@
-r"""Mass matrix, Coriolis matrix, gravity and energies of a closed pose, compiled.
+r"""Compiled mass matrix, Coriolis matrix, gravity and energies of a closed pose.
 
 With :math:`X_j` the twists of all elements at unit speed of the independent coordinate j, the mass
 matrix is :math:`\sum X_i^T I X_j`, and the matrix of Christoffel symbols
@@ -7,11 +7,11 @@ matrix is :math:`\sum X_i^T I X_j`, and the matrix of Christoffel symbols
           + \tfrac12 V \times^* I X_j + \tfrac12 X_j \times^* I V \big)
           + \sum L_i^T R \dot L_j
 
-with R the inertias of the motors, which turn with their joints; of a ball joint
-:math:`\tfrac12 \omega \times L_j` joins its rows of :math:`\dot L_j`, because its speeds are no
-rates of coordinates. (The factor of a single body after S. Echeandia and P. M. Wensing, Numerical
-methods to compute the Coriolis matrix and Christoffel symbols for rigid-body systems, Journal of
-Computational and Nonlinear Dynamics 16, 2021, here in base axes.)
+with R the inertias of the motors, which move with their joints. For a ball joint, :math:`\tfrac12
+\omega \times L_j` is added to its rows of :math:`\dot L_j`, because its speeds are not rates of
+coordinates. (The factor of a single body after S. Echeandia and P. M. Wensing, Numerical methods to
+compute the Coriolis matrix and Christoffel symbols for rigid-body systems, Journal of Computational
+and Nonlinear Dynamics 16, 2021, here in base axes.)
 """
 
 from __future__ import annotations
@@ -68,9 +68,10 @@ from psp3.multibody.tree import (
 
 @scalar
 def complement(tree, numbers, memory, with_rates):
-    """Write L, column by column, the twists that belong to its columns, and how both change.
+    """Write L, column by column, the twists of its columns, and the rates of change of both.
 
-    How they change only where ``with_rates`` is 1.0; the elements' own twists are then there.
+    The rates are written only if ``with_rates`` is 1.0; the memory must then hold the elements' own
+    twists.
     """
     n, nv, elements = tree[INDEPENDENT], tree[VELOCITIES], tree[ELEMENTS]
     unit = tree[AT_ROOM]
@@ -164,7 +165,7 @@ def gravity(tree, numbers, memory, out):
 
 @scalar
 def coriolis_matrix(tree, numbers, memory, out):
-    """Write the matrix of Christoffel symbols (n²) from L, its twists and how these change.
+    """Write the matrix of Christoffel symbols (n²) from L, its twists and their rates.
 
     The elements' forces and accelerations are overwritten.
     """
@@ -184,7 +185,7 @@ def coriolis_matrix(tree, numbers, memory, out):
 
 @scalar
 def _add_motors(tree, numbers, memory, out):
-    """Add to the matrix of Christoffel symbols what the motors' own inertia does."""
+    """Add the contribution of the motor inertias to the matrix of Christoffel symbols."""
     n, nv = tree[INDEPENDENT], tree[VELOCITIES]
     L, rates, z = tree[AT_COMPLEMENT], tree[AT_COMPLEMENT_RATES], tree[AT_JOINT_SPEEDS]
     for e in range(tree[ELEMENTS]):
@@ -194,7 +195,7 @@ def _add_motors(tree, numbers, memory, out):
             motor = numbers[tree[AT_JOINTS] + JOINT_NUMBERS * (first + k)]
             if motor == 0.0:
                 continue
-            # The two axes after this one, in turn.
+            # The two axes after this one, in cyclic order.
             one, two = first + (k + 1) % 3, first + (k + 2) % 3
             for j in range(n):
                 column = L + nv * j
@@ -210,10 +211,10 @@ def _add_motors(tree, numbers, memory, out):
 
 @scalar
 def add_damping(tree, numbers, memory, out):
-    r"""Add to a matrix (n²) what makes its product with the speeds brake the joints.
+    r"""Add damping and dry friction to a matrix (n²), whose product with the speeds is a force.
 
-    That is :math:`L^T D L` with D the joints' viscous damping and, where they slip, their dry
-    friction over their speed.
+    This adds :math:`L^T D L`, with D the joints' viscous damping and, if they slip, their dry
+    friction divided by their speed.
     """
     n, nv, L = tree[INDEPENDENT], tree[VELOCITIES], tree[AT_COMPLEMENT]
     for velocity in range(nv):

@@ -1,7 +1,8 @@
-r"""Least squares of a group's equations, compiled: Householder's reflections without pivoting.
+r"""Compiled least squares of a group's equations: Householder reflections without pivoting.
 
-A matrix of m rows and u ≤ m columns is stored column by column. Equations of one leg have zeros in
-the columns of the others, which are ordered so that reflections leave most of them alone.
+A matrix of m rows and u ≤ m columns is stored column by column. The equations of one leg have zeros
+in the columns of the other legs. The columns are ordered so that reflections keep most of these
+zeros.
 """
 
 from __future__ import annotations
@@ -11,18 +12,18 @@ import math
 from fuzzy2.support.compiled import scalar
 
 SMALLEST_PIVOT = 1e-9
-"""Columns whose part that is new is smaller than this share of the largest do not count as
-independent: what is conditioned worse than 1e9 would leave too few digits to be of use.
+"""A column counts as dependent if its new component is smaller than this share of the largest one.
+A condition number above 1e9 would leave too few correct digits.
 """
 
 
 @scalar
 def factor(tree, memory, ends, at, into, rows, columns):
-    """Factor the matrix that begins at ``at`` in place, Q R; weights of reflections go to ``into``.
+    """Factor the matrix that begins at ``at`` in place, Q R; write reflection weights to ``into``.
 
-    ``ends`` is where the whole numbers say, of each column, the row below its last entry. Return
-    the smallest pivot, with the sign of the determinant if the matrix is square; 0 if its columns
-    are not independent.
+    ``ends`` is the place in the whole numbers of the row below the last entry of each column.
+    Return the smallest pivot, with the sign of the determinant if the matrix is square; 0 if its
+    columns are not independent.
     """
     sign, largest, least = 1.0, 0.0, math.inf
     for k in range(columns):
@@ -82,7 +83,7 @@ def reflect(tree, memory, ends, at, into, rows, k, row):
 def solve(tree, memory, ends, at, into, rows, columns, row):
     """Replace the right side, which begins at ``row``, by the least-squares solution.
 
-    It has the first entries.
+    The solution takes the first entries.
     """
     for k in range(columns):
         reflect(tree, memory, ends, at, into, rows, k, row)
@@ -96,7 +97,7 @@ def solve(tree, memory, ends, at, into, rows, columns, row):
 
 @scalar
 def solve_transposed(tree, memory, ends, at, into, rows, columns, row):
-    """Replace u entries by the shortest m entries that the transposed matrix brings to them."""
+    """Replace u entries by the shortest m entries that the transposed matrix maps to them."""
     for k in range(columns):
         d = at + rows * k
         value = memory[row + k]
@@ -113,7 +114,7 @@ def solve_transposed(tree, memory, ends, at, into, rows, columns, row):
 def orientation(memory, at, order):
     """Return the sign of the determinant of a square matrix, stored column by column.
 
-    By elimination; the matrix is overwritten.
+    It is found by elimination; the matrix is overwritten.
     """
     sign = 1.0
     for k in range(order):

@@ -1,12 +1,11 @@
-r"""The closure equations of a tree: residual, Jacobian, and what velocities alone accelerate.
+r"""Compiled closure equations of a tree: residual, Jacobian, and acceleration due to velocities.
 
-Compiled. With :math:`R_1, p_1, R_2, p_2` the two frames of a closure, its residual is
-:math:`R_1^T (p_2 - p_1)`; of a frame followed by :math:`\log R_1^T R_2`; of a hinge by the first
-two entries of :math:`R_1^T R_2 e_z`; a spin is the part along its axis of the vector of a ball's
-quaternion, seen from the one at which it is zero. All rows are in the axes of the first frame, so
-that they do not depend on where the base of a group is. The Jacobian is the exact derivative, also
-away from
-closure.
+With :math:`R_1, p_1, R_2, p_2` the two frames of a closure, its residual is :math:`R_1^T (p_2 -
+p_1)`, followed by :math:`\log R_1^T R_2` for a frame closure, or by the first two entries of
+:math:`R_1^T R_2 e_z` for a hinge. The residual of a spin is a component of a ball joint's
+quaternion, relative to the quaternion at which the spin is zero: the component of its vector part
+along the axis. All rows are in the axes of the first frame, so they do not depend on the place of a
+group's base. The Jacobian is the exact derivative, also if the loops are open.
 """
 
 from __future__ import annotations
@@ -65,7 +64,7 @@ from psp3.multibody.tree import (
 
 @scalar
 def polynomial(numbers, at, x, derivative):
-    """Value of a polynomial, or of one of its derivatives."""
+    """Return the value of a polynomial, or of one of its derivatives."""
     value = 0.0
     for k in range(LARGEST_DEGREE, derivative - 1, -1):
         factor = 1.0
@@ -77,7 +76,7 @@ def polynomial(numbers, at, x, derivative):
 
 @scalar
 def turned(numbers, at, memory, q, k, derivative):
-    """Return a part of a spin: its residual, or its derivative by the k-th angular velocity."""
+    """Return the residual of a spin, or its derivative by the k-th angular velocity."""
     a, b = at + 3, q
     w = numbers[a + 3] * memory[b + 3]
     x = y = z = 0.0
@@ -113,10 +112,10 @@ def turned(numbers, at, memory, q, k, derivative):
 
 @scalar
 def _spin_change(numbers, at, memory, q, v, z):
-    """Return how fast the derivative of a spin along angular velocities z changes at those at v."""
+    """Return the rate, at angular velocities v, of a spin's derivative along z."""
     # The residual is n · u with the quaternion (u, w); its derivative, 0.5 (w n + n × u) · z, is
     # linear in (u, w), and these change by 0.5 (w ω + u × ω) and −0.5 u · ω. A quaternion's second
-    # derivative along ω and z is −0.25 (ω · z) times itself and 0.25 times what ω × z turns.
+    # derivative along ω and z is −0.25 (ω · z) times itself plus 0.25 times its product with ω × z.
     n_u = turned(numbers, at, memory, q, 0, 0)
     value = (
         -0.25
@@ -155,7 +154,7 @@ def _logarithm(memory, at, row):
     elif cosine > 0.0:
         memory[row], memory[row + 1], memory[row + 2] = x, y, z
     else:
-        # Half a turn: the axis is the column of R + 1 that is longest.
+        # At half a turn the axis is the longest column of R + 1.
         if r0 >= r4 and r0 >= r8:
             x, y, z = r0 + 1.0, r3, r6
         elif r4 >= r8:
@@ -168,7 +167,7 @@ def _logarithm(memory, at, row):
 
 @scalar
 def _place_end(tree, numbers, memory, end, at, into):
-    """Write the frame of a closure, which is at ``at`` in its element, or in the base."""
+    """Write the frame of a closure, whose placement in its element or the base is at ``at``."""
     if end >= 0:
         compose(memory, tree[AT_PLACEMENTS] + 12 * end, numbers, at, memory, into)
         return
@@ -228,7 +227,7 @@ def residual_of(tree, numbers, memory, group):
 
 @scalar
 def _turn(memory, row, at):
-    """Write how a rotation vector changes with the angular velocity in its own axes, (3, 3)."""
+    """Write the derivative of a rotation vector by the angular velocity in its own axes, (3, 3)."""
     x, y, z = memory[row], memory[row + 1], memory[row + 2]
     square = x * x + y * y + z * z
     factor = 1.0 / 12.0 + square / 720.0
@@ -249,7 +248,7 @@ def _turn(memory, row, at):
 def jacobian(tree, numbers, memory, group):
     """Write the derivative of a group's residual by its dependent and its independent speeds.
 
-    Of the pose whose residual was the last to be written.
+    The pose is that of the last residual that was written.
     """
     configuration = tree[AT_CONFIGURATION]
     frames = tree[AT_FRAMES]
@@ -310,7 +309,7 @@ def jacobian(tree, numbers, memory, group):
                     + memory[turn + 3 * i + 2] * az
                 )
         else:
-            # How the second frame's z axis turns, in the first frame's axes.
+            # Rate of the second frame's z axis, in the first frame's axes.
             x, y, z = memory[f + 14], memory[f + 17], memory[f + 20]
             ax, ay, az = wy * z - wz * y, wz * x - wx * z, wx * y - wy * x
             for i in range(2):
@@ -321,11 +320,11 @@ def jacobian(tree, numbers, memory, group):
 
 @scalar
 def accelerated(tree, numbers, memory, group, speeds, X, rate):
-    """Write how fast J z changes in a closed group, for joint speeds z that do not change.
+    """Write the rate of change of J z in a closed group, for constant joint speeds z.
 
-    The memory has z at ``speeds``, the twists of all elements at z at X, and at ``rate`` how these
-    change while the elements move. Of the motion itself it is the second derivative of the residual
-    without joint accelerations.
+    The memory holds z at ``speeds``, the twists of all elements for z at X, and the rates of these
+    twists at ``rate``. If z are the speeds of the motion itself, the result is the second
+    derivative of the residual without joint accelerations.
     """
     configuration = tree[AT_CONFIGURATION]
     frames = tree[AT_FRAMES]
@@ -363,7 +362,7 @@ def accelerated(tree, numbers, memory, group, speeds, X, rate):
             end = a if side == 0 else b
             sign = -1.0 if side == 0 else 1.0
             e, k, r = V + end, X + end, rate + end
-            # Speed of the point, which the field turns.
+            # Speed of the point, rotated by the field of velocities.
             vx = memory[e] + memory[e + 4] * z - memory[e + 5] * y
             vy = memory[e + 1] + memory[e + 5] * x - memory[e + 3] * z
             vz = memory[e + 2] + memory[e + 3] * y - memory[e + 4] * x
@@ -376,7 +375,7 @@ def accelerated(tree, numbers, memory, group, speeds, X, rate):
             memory[row + i] = memory[f + i] * ax + memory[f + 3 + i] * ay + memory[f + 6 + i] * az
         if kind == POINT:
             continue
-        # How the angular velocity of one frame against the other changes, as the first sees it.
+        # Rate of the relative angular velocity of the two frames, as seen from the first.
         k, m, r, t = X + a, X + b, rate + a, rate + b
         a += V
         wx, wy, wz = memory[a + 3], memory[a + 4], memory[a + 5]

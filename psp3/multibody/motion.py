@@ -1,10 +1,10 @@
-r"""What a robot with loops answers, compiled: one question about one state, or about many rows.
+r"""Compiled answers about a robot with loops: one question about one state, or about many rows.
 
 With L the natural orthogonal complement of the loops (thesis eq. 3.17), the equation of motion of
 the tree :math:`f(q, \dot q, \ddot q)` becomes :math:`L^T f(q, L \dot q^a, L \ddot q^a + \dot L
 \dot q^a) = \tau` (thesis eq. 3.37).
 
-All questions go through one function, because every compiled function that Python can call costs
+All questions go through one function, because each compiled function that Python can call takes
 seconds to compile.
 """
 
@@ -80,37 +80,39 @@ from psp3.multibody.tree import (
     EQUATIONS,
     ASSEMBLY,
 ) = range(12)
-"""Questions, and what their answers are: q (nq); q and L, column by column (n · nv); forces of a
-motion (n); accelerations under forces (n); M, C (n² each) and G (n); kinetic and potential energy;
-configuration, velocities and accelerations of all joints; placement of a frame in the base (12) and
-its Jacobian, column by column (6n); derivatives of the forces of a motion by positions, speeds and
-accelerations (n² each); derivatives of the accelerations under forces by positions, speeds and
-forces (n² each).
+"""The questions, in the order of their answers: q (nq); q and L, column by column (n · nv); forces
+of a motion (n); accelerations under forces (n); M, C (n² each) and G (n); kinetic and potential
+energy; configuration, velocities and accelerations of all joints; placement of a frame in the base
+(12) and its Jacobian, column by column (6n); derivatives of the forces of a motion by positions,
+speeds and accelerations (n² each); derivatives of the accelerations under forces by positions,
+speeds and forces (n² each).
 
-Two more are about no pose of the robot: residuals of all closures at a configuration, with their
-derivative where the answer has room for it, see :mod:`psp3.multibody.constraint`; and whether the
-loops can be closed from the guess with which the memory begins, independent joints fixed, which
-returns what became of it, and the memory then begins with a pose that can be a reference.
+Two more questions do not need a closed pose. One asks for the residuals of all closures at a
+configuration, with their derivative if the answer has room for it; see
+:mod:`psp3.multibody.constraint`. The other asks whether the loops can be closed with fixed
+independent joints, from the guess at the beginning of the memory. It returns the outcome, and the
+memory then begins with a pose that can be the reference.
 """
 
 FRAME_NUMBERS = 13
-"""What a frame is given by: the element that carries it, or −1, and its placement there (12)."""
+"""Numbers that describe a frame: the element that carries it, or −1, and its placement there (12).
+"""
 
 
 BEYOND_LIMIT, NOT_FINITE = 3, 4
-"""What can become of a row besides what becomes of a closure: a dependent joint is beyond its
-limits; there is no finite answer.
+"""Outcomes of a row in addition to those of a closure: a dependent joint is beyond its limits;
+there is no finite answer.
 """
 
 BLOCK = 64
-"""After so many rows one starts from the reference in any case, so that answers do not depend on
-how many threads share the rows.
+"""After this many rows, one always starts from the reference, so that answers do not depend on the
+number of threads.
 """
 
 NEAR = 0.003
-"""A row starts from the pose of the row before where no independent coordinate of it is farther
-than this [m, rad] from that of the last row that started from the reference. So answers do not
-depend on other rows, to rounding, unless a singular pose lies in the narrow space between the ways.
+"""A row starts from the pose of the preceding row if none of its independent coordinates is farther
+than this [m, rad] from the last row that started from the reference. So answers do not depend on
+other rows, to rounding, unless a singular pose lies between the two nearby paths.
 """
 
 
@@ -123,7 +125,7 @@ def start_from(tree, reference, memory):
 
 @scalar
 def _aim(tree, memory, positions, row, anchor):
-    """Make a row of positions the target; return whether it is near another row."""
+    """Set a row of positions as the target; return whether it is near another row."""
     target, near, p = tree[AT_TARGET], True, tree[POSITIONS]
     for j in range(p):
         memory[target + j] = positions[p * row + j]
@@ -133,7 +135,7 @@ def _aim(tree, memory, positions, row, anchor):
 
 @scalar
 def _reach(tree, numbers, memory):
-    """Move to the target, all loops closed; return what became of it."""
+    """Move to the target with closed loops; return the outcome."""
     outcome = moved_to(tree, numbers, memory)
     if outcome == CLOSED:
         q, limits = tree[AT_CONFIGURATION], tree[AT_LIMITS]
@@ -155,7 +157,7 @@ def is_finite(out, first, end):
 
 @scalar
 def move_with(tree, memory, speeds):
-    """Give all joints and elements the velocities of independent speeds."""
+    """Write the velocities of all joints and elements for independent speeds."""
     z, V = tree[AT_JOINT_SPEEDS], tree[AT_VELOCITIES]
     joint_speeds(tree, memory, speeds, z)
     carried(tree, memory, z, V, tree[AT_ACCELERATIONS])
@@ -163,7 +165,7 @@ def move_with(tree, memory, speeds):
 
 @scalar
 def accelerate_with(tree, numbers, memory, accelerations):
-    """Give all joints and elements the accelerations of independent ones; velocities are there."""
+    """Write the accelerations of all joints and elements; the memory holds their velocities."""
     change, rate = tree[AT_JOINT_ACCELERATIONS], tree[AT_ACCELERATIONS]
     independent_speeds(tree, memory, accelerations, change)
     change_of_joint_speeds(
@@ -174,7 +176,7 @@ def accelerate_with(tree, numbers, memory, accelerations):
 
 @scalar
 def _forces_of(tree, numbers, memory, accelerations, out):
-    """Write the independent forces of a motion, of which the velocities are there."""
+    """Write the independent forces of a motion; the memory holds its velocities."""
     accelerate_with(tree, numbers, memory, accelerations)
     joint_forces(tree, numbers, memory)
     projected(tree, memory, tree[AT_JOINT_FORCES], out)
@@ -182,7 +184,7 @@ def _forces_of(tree, numbers, memory, accelerations, out):
 
 @scalar
 def balance(tree, numbers, memory, speeds, forces, out):
-    """Write the mass matrix of a closed pose, and what forces leave over for accelerations."""
+    """Write the mass matrix of a closed pose, and the forces that remain for accelerations."""
     n = tree[INDEPENDENT]
     for j in range(n):
         memory[out + j] = 0.0
@@ -198,7 +200,7 @@ def balance(tree, numbers, memory, speeds, forces, out):
 def accelerate(tree, numbers, memory, speeds, forces, out):
     """Write the accelerations of a closed pose under forces; return whether there are any.
 
-    Leave L, as :func:`complement` writes it.
+    The memory then holds L, as :func:`complement` writes it.
     """
     n = tree[INDEPENDENT]
     balance(tree, numbers, memory, speeds, forces, out)
@@ -240,7 +242,7 @@ def _differentiate_forward(tree, memory, out, into):
 
 @scalar
 def _differentiated(question, tree, numbers, memory, forces, out, into):
-    """Write the derivatives of a motion; return what became of them."""
+    """Write the derivatives of a motion; return the outcome."""
     n = tree[INDEPENDENT]
     differentiate(tree, numbers, memory, forces)
     if question == FORWARD_DERIVATIVES:
@@ -258,7 +260,7 @@ def _differentiated(question, tree, numbers, memory, forces, out, into):
 
 @scalar
 def place_frame(tree, memory, frames, row, out, into):
-    """Write the placement of a frame in base axes, seen from where placements are seen from.
+    """Write the placement of a frame in base axes, relative to the floating base, if any.
 
     Return whether an element carries it.
     """
@@ -274,14 +276,14 @@ def place_frame(tree, memory, frames, row, out, into):
 
 @scalar
 def add_here(tree, memory, out, into):
-    """Add to a placement, of a frame that an element carries, where it is seen from."""
+    """Add the position of the floating base to the placement of a frame on an element."""
     for i in range(3):
         out[into + 9 + i] += memory[tree[AT_HERE] + i]
 
 
 @scalar
 def write_frame(tree, memory, frames, row, out, into):
-    """Write the placement of a frame in the base, and how it moves with each independent speed."""
+    """Write the placement of a frame in the base, and its twist for each independent speed."""
     n, wide = tree[INDEPENDENT], 6 * (tree[ELEMENTS] + 1)
     if not place_frame(tree, memory, frames, row, out, into):
         for i in range(12, 12 + 6 * n):
@@ -301,7 +303,7 @@ def write_frame(tree, memory, frames, row, out, into):
 
 @scalar
 def answer_of_pose(question, tree, numbers, memory, second, third, row, out, into):
-    """Write one row of the answer to a question about the pose; return what became of it."""
+    """Write one row of the answer to a question about the pose; return the outcome."""
     n, nv, nq, room = tree[INDEPENDENT], tree[VELOCITIES], tree[COORDINATES], tree[AT_ROOM]
     if question == FRAME:
         complement(tree, numbers, memory, 0.0)
@@ -349,7 +351,7 @@ def answer_of_pose(question, tree, numbers, memory, second, third, row, out, int
 
 @scalar
 def row_answered(question, tree, numbers, memory, second, third, row, out, width):
-    """Move to the target, and write a row of the answer there; return what became of it."""
+    """Move to the target, and write a row of the answer there; return the outcome."""
     outcome = _reach(tree, numbers, memory)
     if outcome == CLOSED:
         into = width * row
@@ -363,11 +365,11 @@ def row_answered(question, tree, numbers, memory, second, third, row, out, width
 
 @scalar
 def derivatives(question: int, tree: Indices, numbers: Array, memory: Array, out: Array) -> int:
-    """Write the derivatives that belong to the last answer; return what became of them.
+    """Write the derivatives of the last answer; return the outcome.
 
     That answer was to ``INVERSE_DYNAMICS`` for ``INVERSE_DERIVATIVES``, and to ``FORWARD_DYNAMICS``
-    for ``FORWARD_DERIVATIVES``. This is a function of its own because it takes long to compile, and
-    few ask for it.
+    for ``FORWARD_DERIVATIVES``. This is a separate function because it takes long to compile and is
+    seldom needed.
     """
     n, room = tree[INDEPENDENT], tree[AT_ROOM]
     speeds, others, result = room + n, room + 2 * n, room + 3 * n
@@ -404,12 +406,11 @@ def answer(
     """Write the answers to a question, row by row.
 
     ``free_fall`` is the acceleration of gravity (3). Positions are rows · p numbers, speeds
-    (second), and accelerations or forces (third) rows · n each; where a question needs fewer, they
-    are not looked at. (Of a frame, third are rows of
-    ``FRAME_NUMBERS``.) With ``is_warm`` the memory begins with a pose from which the first row
-    starts, and else that is the reference; the other rows start from it, too, but on a path from
-    the row before. Return the first row that has no answer, −1 if all have one, or −2 if an
-    argument has another size.
+    (second), and accelerations or forces (third) rows · n each; arguments that a question does not
+    need are ignored. (For a frame, ``third`` holds rows of ``FRAME_NUMBERS``.) The first row starts
+    from the pose at the beginning of the memory if ``is_warm``, and otherwise from the reference.
+    The other rows start from the same pose, or, on a path, from the preceding row. Return the first
+    row that has no answer, −1 if all have one, or −2 if an argument has another size.
     """
     if question == EQUATIONS:
         closure_equations(tree, numbers, memory, positions, out)
@@ -440,7 +441,7 @@ def answer(
 
 @scalar
 def reach(tree, numbers, memory, positions):
-    """Move to positions (p, or more), all loops closed; return what became of it."""
+    """Move to positions (p, or more) with closed loops; return the outcome."""
     for j in range(tree[POSITIONS]):
         memory[tree[AT_TARGET] + j] = positions[j]
     return _reach(tree, numbers, memory)
@@ -465,9 +466,9 @@ def forces_of_motion(tree, numbers, memory, positions, speeds, accelerations, ou
 
 @scalar
 def balance_of_state(tree, numbers, memory, state, forces):
-    """Write the mass matrix (n²), and to the room's fourth vector what is left for accelerations.
+    """Write the mass matrix (n²), and in the room's fourth vector the forces for accelerations.
 
-    Of a state, positions and speeds (p + n). Return whether it is one of the robot's.
+    The state is positions and speeds (p + n). Return whether the robot can be in it.
     """
     n, p = tree[INDEPENDENT], tree[POSITIONS]
     if reach(tree, numbers, memory, state) != CLOSED:
@@ -486,8 +487,8 @@ def balance_of_state(tree, numbers, memory, state, forces):
 def runge_kutta(tree, numbers, memory, state, forces, step, steps):
     """Take steps of the classical Runge–Kutta method under constant forces (n), in place.
 
-    The state are positions and speeds (2n). Return whether it went from pose to pose of the robot,
-    as far as the pose from which the last step was to go on.
+    The state is positions and speeds (2n). Return whether the robot could take all poses on the
+    way. The final pose is not checked.
     """
     n, target = tree[INDEPENDENT], tree[AT_TARGET]
     # The first vector of the room is taken by the complement.

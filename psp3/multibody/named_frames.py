@@ -1,4 +1,4 @@
-"""Frames of a tree by their names, where a body and a joint may have the same one."""
+"""Find frames of a tree by name. A body and a joint may have the same name."""
 
 from __future__ import annotations
 
@@ -14,18 +14,19 @@ KINDS = {
     "frame": (pin.FrameType.OP_FRAME, pin.FrameType.SENSOR),
     "joint": (pin.FrameType.JOINT, pin.FrameType.FIXED_JOINT),
 }
-"""Kinds of frames that may have one name, in the order in which a name alone means them."""
+"""Kinds of frames that may share a name; without a prefix, a name means the first one that exists.
+"""
 
 
 def frames_named(model: pin.Model, name: str) -> list[int]:
-    """Return the numbers of all frames that a name may mean, the likeliest first.
+    """Return the numbers of all frames that a name may mean, in order of preference.
 
     Parameters
     ----------
     model : pinocchio.Model
         The tree.
     name : str
-        A name, or one after ``body:``, ``frame:`` or ``joint:``, which means this kind alone.
+        A name, with the prefix ``body:``, ``frame:`` or ``joint:`` to select the kind.
     """
     kinds: Sequence[str] = tuple(KINDS)
     before, colon, after = name.partition(":")
@@ -36,10 +37,10 @@ def frames_named(model: pin.Model, name: str) -> list[int]:
 
 
 def frame_number(model: pin.Model, name: str) -> int:
-    """Return the number of the frame of a name.
+    """Return the number of the frame with a name.
 
-    Where several have it, a body comes before a frame that was added, and that before a joint;
-    ``joint:arm`` means the frame of the joint ``arm``.
+    If several frames have the name, a body comes before an added frame, and an added frame before a
+    joint; ``joint:arm`` means the frame of the joint ``arm``.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Where the elements of a tree are, and how their joints move: placements and screws, compiled."""
+"""Compiled placements of the elements of a tree, and screws of their joints."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from psp3.multibody.tree import (
 
 @scalar
 def compose(a, i, b, j, out, k):
-    """Write the product of two placements, a from its entry i on and b from its entry j on."""
+    """Write the product of two placements, which begin at entry i of a and at entry j of b."""
     for row in range(3):
         x, y, z = a[i + 3 * row], a[i + 3 * row + 1], a[i + 3 * row + 2]
         for column in range(3):
@@ -45,7 +45,7 @@ def compose(a, i, b, j, out, k):
 def _turn_by_screw(numbers, at, amount, memory, o, s):
     """Move an element along its screw, which is of unit length or without rotation.
 
-    The memory has its fixed placement at o, and gets its own; its screw goes to s.
+    The memory holds the fixed placement at o, which the result replaces; the screw is written to s.
     """
     a = at + SCREW_AT
     vx, vy, vz = numbers[a], numbers[a + 1], numbers[a + 2]
@@ -66,7 +66,7 @@ def _turn_by_screw(numbers, at, amount, memory, o, s):
         memory[s], memory[s + 1], memory[s + 2] = Vx, Vy, Vz
         memory[s + 3], memory[s + 4], memory[s + 5] = 0.0, 0.0, 0.0
         return
-    # Axis and point of the joint are the same before and after it.
+    # The motion of the joint does not change its axis and a point on it.
     Wx = r0 * wx + r1 * wy + r2 * wz
     Wy = r3 * wx + r4 * wy + r5 * wz
     Wz = r6 * wx + r7 * wy + r8 * wz
@@ -128,7 +128,7 @@ def _spin_screws(memory, o, s):
 
 @scalar
 def _shift(memory, q, count, o):
-    """Move a placement along its first axes by what the coordinates say."""
+    """Translate a placement by the coordinates, along its first axes."""
     for i in range(3):
         way = 0.0
         for k in range(count):
@@ -138,7 +138,7 @@ def _shift(memory, q, count, o):
 
 @scalar
 def _glide(memory, q, o, s):
-    """Turn a placement, that has been moved, in its own x-y plane; write the three screws."""
+    """Rotate a translated placement in its own x-y plane; write the three screws."""
     c, t = memory[q + 2], memory[q + 3]
     for i in range(3):
         k = o + 3 * i
@@ -157,7 +157,7 @@ def _glide(memory, q, o, s):
 
 @scalar
 def _find_base(tree, numbers, memory):
-    """Write where the floating base is; zeros if there is none."""
+    """Write the position of the floating base; zeros if there is none."""
     here, e = tree[AT_HERE], tree[FLOATING]
     for i in range(3):
         memory[here + i] = 0.0
@@ -172,9 +172,9 @@ def _find_base(tree, numbers, memory):
 
 @scalar
 def place(tree, numbers, memory, first, last):
-    """Place the members from ``first`` to ``last``, whose parents are placed before them.
+    """Place the members from ``first`` to ``last``; their parents come before them.
 
-    Positions are seen from a floating base: what is far from there loses no digits.
+    Positions are relative to a floating base, so that no digits are lost if it is far away.
     """
     here, floating = tree[AT_HERE], tree[FLOATING]
     _find_base(tree, numbers, memory)
@@ -197,7 +197,7 @@ def place(tree, numbers, memory, first, last):
             for i in range(9):
                 memory[o + i] = numbers[at + i]
             for i in range(3):
-                # Of the base itself exactly zero.
+                # The position of the base itself is exactly zero.
                 away = numbers[at + 9 + i] - memory[here + i]
                 memory[o + 9 + i] = 0.0 if e == floating else away
         else:
@@ -227,8 +227,8 @@ def place(tree, numbers, memory, first, last):
 def move(tree, memory, first, last, start, step, column, share):
     """Move the dependent joints of members by a share of a step.
 
-    The memory has the configuration from which they start at ``start``, and the step, which begins
-    with the dependent speed of number ``column``, at ``step``.
+    The memory holds the initial configuration at ``start``, and at ``step`` the step, which begins
+    with dependent speed number ``column``.
     """
     configuration = tree[AT_CONFIGURATION]
     column_of = tree[AT_COLUMN_OF]

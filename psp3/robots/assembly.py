@@ -1,8 +1,7 @@
-"""How a tree with closures becomes a robot in coordinates: what moves, what is held, what follows.
+"""Turn a tree with closures into a robot: choose independent, held and dependent motions.
 
-The loops are looked at in the pose that closes them best. Where motions are to be kept that no
-joint of the tree has as its own, simple joints take the place of others, and the tree is looked at
-anew.
+The loops are examined in the pose that closes them best. If a motion is to be kept and no joint of
+the tree has it as its own, simple joints replace others, and the tree is examined again.
 """
 
 from __future__ import annotations
@@ -34,10 +33,10 @@ from psp3.robots.simple_joints import (
 class Assembly(NamedTuple):
     """A tree whose coordinates are chosen.
 
-    ``motors`` (nv, m) are what each motor drives, ``names`` those of the closures; ``found`` is
-    what the loops leave free, with the pose that closes them, ``mobility`` how much of it motors
-    command, ``chosen`` its coordinates, and ``without_limits`` the joints that this pose has out of
-    range.
+    ``motors`` (nv, m) are the joint velocities that each motor drives, and ``names`` are those of
+    the closures. ``found`` holds the free motions and the pose that closes the loops, ``mobility``
+    tells how many of the motions motors command, ``chosen`` holds the coordinates, and
+    ``without_limits`` lists the joints that are out of range in this pose.
     """
 
     tree: SimpleTree
@@ -50,12 +49,12 @@ class Assembly(NamedTuple):
 
     @property
     def given(self) -> Array:
-        """The home that was given, or else the one that was found, (nq,)."""
+        """The given home, or the home that was found, (nq,)."""
         return self.found.home if self.tree.home is None else self.tree.home
 
     @property
     def dependent(self) -> Indices:
-        """Velocities that follow from the coordinates."""
+        """Velocities that depend on the coordinates."""
         nv = self.tree.model.nv
         return np.setdiff1d(np.arange(nv), [*self.chosen.speeds, *self.chosen.held])
 
@@ -77,7 +76,7 @@ def assembled(
     options : mapping
         ``free``, ``coordinates``, ``springs`` and ``tendons`` of the robot.
     kept : sequence of str
-        Joints that stand for a base and become coordinates where they can.
+        Joints that replace a base and become coordinates if possible.
 
     Raises
     ------
@@ -113,7 +112,7 @@ def assembled(
         kept = kept if base is None else [*kept, *parts_of_base(model, base)]
         simple = with_simple_joints(tree._replace(home=found.home), spins, base, chains)
         return assembled(simple, actuated, options, kept)
-    # A floating base is kept whatever becomes of other motions.
+    # A floating base is always kept.
     if not chosen.names or (free == "refuse" and chosen.locked):
         raise MobilityMismatch(mobility, actuated)
     return Assembly(tree, motors, names, found, mobility, chosen, without_limits)

@@ -1,6 +1,4 @@
-r"""Any robot that Pinocchio holds as a tree with loop closures, driven in its actuated coordinates.
-
-The Pinocchio path.
+r"""Any robot that is a Pinocchio tree with loop closures, driven in its actuated coordinates.
 
 The loops are Pinocchio constraint models. With :math:`\Phi` their Jacobian, split in the columns of
 the actuated and the other joints, all joint velocities follow from the actuated ones (thesis
@@ -9,9 +7,9 @@ eq. 3.16–3.17),
 .. math:: \dot q = L\, \dot q^a, \qquad
           L = \begin{bmatrix} 1 \\ -(\Phi^u)^{-1} \Phi^a \end{bmatrix},
 
-and the tree's dynamics, from Pinocchio's RNEA and CRBA, is projected with :math:`L`. Nothing here
-uses the closed form of the 3-PSP, the thesis's natural orthogonal complement or the projection of
-:mod:`psp3.dynamics.projected`, so each of them checks the others, see
+and the compiled core of :mod:`psp3.multibody` projects the tree's dynamics with :math:`L`. This
+module does not use the closed form of the 3-PSP, the thesis's natural orthogonal complement or the
+projection of :mod:`psp3.dynamics.projected`, so they can be compared with each other, see
 :meth:`ClosedLoopRobot.dynamics`.
 """
 
@@ -87,25 +85,25 @@ from psp3.robots.pickling import constraints, plain
 from psp3.robots.simple_joints import SimpleTree
 
 FREE = ("lock", "keep", "refuse")
-"""What can be done with motions that no motor commands."""
+"""The options for motions that no motor commands."""
 
 PRELOAD_TOLERANCE = 1e-7
-"""Share of the largest singular value of the actuation matrix up to which one counts as zero."""
+"""Singular values of the actuation matrix up to this share of the largest one count as zero."""
 
 logger = logger_named(__name__)
 
 
 class ClosedLoopRobot(Described):
-    """A robot given as a tree, loop closures and actuated joints.
+    """A robot that is given as a tree, loop closures and actuated joints.
 
     Arguments and results are in actuated coordinates.
 
-    Frames and their Jacobians, which Pinocchio computes in one ``data``, are for one thread at a
-    time; everything else is for many. A robot can be pickled and copied.
+    Methods for frames and their Jacobians may run in one thread at a time, because Pinocchio uses a
+    single ``data``; all other methods are thread-safe. A robot can be pickled and copied.
 
     The gravity of ``model`` may be changed at any time. Other numbers are read when the robot is
-    made, and a later change would have an effect on some answers only: change the model first, then
-    make the robot.
+    constructed, and later changes would affect only some results: change the model first, then
+    construct the robot.
 
     Parameters
     ----------
@@ -119,66 +117,65 @@ class ClosedLoopRobot(Described):
         Reference configuration, from which other poses are reached; ``neutral`` by default. It need
         only nearly close the loops.
     visual_model : pinocchio.GeometryModel, optional
-        What the robot looks like.
+        The shapes of the robot.
     equations : sequence of Hinge or Coupling
-        Closures that Pinocchio has no model of.
+        Closures for which Pinocchio has no model.
     springs : mapping of str to (float, float), optional
         Stiffness and rest of joints of one degree of freedom [N/m, m or N m, rad].
     tendons : mapping of str to mapping, optional
-        Motors that drive several joints: by a name that is in ``actuated``, the lever of each joint
-        by its name.
+        Motors that drive several joints: maps a name in ``actuated`` to the lever arm of each
+        joint, by the joint's name.
     closures : sequence of (str, str, str)
-        More closures: two frames and ``"3d"``, ``"6d"`` or ``"hinge"`` (origin and z axis). With
-        ``"world"`` instead of the second frame the first one stays where it is in the reference
-        configuration, as a foot on the ground.
+        Additional closures: two frames and ``"3d"``, ``"6d"`` or ``"hinge"`` (origin and z axis).
+        With ``"world"`` as the second frame, the first frame stays at its place in the reference
+        configuration, like a foot on the ground.
     free : {"lock", "keep", "refuse"}
-        What becomes of motions that no motor commands: one joint is held where it is in the
-        reference configuration, its inertia kept, and a warning names it (``locked``); or that
-        joint becomes a coordinate beside the motors; or :class:`MobilityMismatch` is raised. Which
-        joint that is, is said in :mod:`psp3.closure.coordinates`. A floating base is always kept. A
-        ball whose spin becomes a coordinate is replaced by hinges, and so is a base in a loop that
-        keeps some of its motions, by slides and hinges (:mod:`psp3.robots.simple_joints`): the
-        model is then another than the given one.
+        Treatment of motions that no motor commands. ``"lock"`` holds one joint at its position in
+        the reference configuration, keeps its inertia, and names it in a warning and in ``locked``.
+        ``"keep"`` makes that joint a coordinate in addition to the motors. ``"refuse"`` raises
+        :class:`MobilityMismatch`. :mod:`psp3.closure.coordinates` describes how the joint is
+        chosen. A floating base is always kept. Hinges replace a ball joint whose spin becomes a
+        coordinate, and slides and hinges replace a base in a loop that keeps some of its motions
+        (:mod:`psp3.robots.simple_joints`). The model then differs from the given one.
     coordinates : sequence of str, optional
-        Joints that are coordinates, first of all; else the motors.
+        Joints that are the first coordinates; by default the motors.
 
     Attributes
     ----------
     actuated_q, actuated_v, dependent_v : ndarray of int
-        Places of the actuated joints in configurations and in joint velocities, and in joint
-        velocities of those that follow from the coordinates.
+        Places of the actuated joints in configurations and in joint velocities, and places in joint
+        velocities of the dependent joints.
     coordinates : tuple of str
-        Joints whose positions, speeds and forces all functions take and return: the motors, where
-        they are as many as the degrees of freedom. Positions stand as in a configuration, speeds
-        and forces as in a velocity: a floating base, which is last, has 7 and 6.
+        Joints whose positions, speeds and forces all functions take and return; the motors if their
+        number is that of the degrees of freedom. Positions have the form of a configuration, and
+        speeds and forces that of a velocity: a floating base, which comes last, has 7 positions and
+        6 speeds.
     locked : tuple of Locked
         Free motions that are held.
     without_limits : tuple of Beyond
-        Joints that are outside their range in the reference pose, because that pose was given or no
-        closed one within all ranges was found: the limit that they are beyond is not kept.
+        Joints that are outside their range in the reference pose, because the pose was given or no
+        closed pose within all ranges was found. The exceeded limit is removed.
     mobility : Mobility
-        How many ways the mechanism can move, and how many of them its motors command.
+        Degrees of freedom of the mechanism, and how many of them its motors command.
     closure_mismatch : ClosureMismatch
-        How far the loops contradict themselves, by the rounding of their numbers.
+        How far the loops contradict themselves because of rounded numbers.
 
     Raises
     ------
     ClosureFailed
         If the loops cannot be closed near the reference configuration.
     RoundedLoops
-        If redundant loops contradict themselves by more than rounding, or leave nothing to move.
+        If redundant loops contradict themselves by more than rounding, or allow no motion.
     MobilityMismatch
-        If nothing moves, or motors leave motions free and ``free="refuse"``.
+        If nothing can move, or the motors leave free motions and ``free="refuse"``.
     """
 
     urdf: Path | None = None
-    """The URDF it was loaded from, if it was; its collision shapes are read when they are asked
-    for.
-    """
+    """The URDF it was loaded from, if any; its collision shapes are read on demand."""
     srdf: Path | None = None
     """The SRDF it was loaded with."""
     mjcf: Path | None = None
-    """The MJCF file it was loaded from, if it was."""
+    """The MJCF file it was loaded from, if any."""
 
     def __init__(
         self,
@@ -221,16 +218,14 @@ class ClosedLoopRobot(Described):
         shapes = visual_model if visual_model is not None else pin.GeometryModel()
         tree = SimpleTree(model, shapes, loops, others, home)
         try:
-            with np.errstate(over="ignore", invalid="ignore"):  # of a home that is none
+            with np.errstate(over="ignore", invalid="ignore"):  # of a home with invalid numbers
                 made = assembled(tree, self.actuated, self.options)
         except np.linalg.LinAlgError as error:
-            raise InvalidValue(
-                "q0", tree.home, "a configuration that can be computed with"
-            ) from error
+            raise InvalidValue("q0", tree.home, "a configuration of valid numbers") from error
         self._take(made)
 
     def _take(self, made: Assembly) -> None:
-        """Take a tree whose coordinates are chosen, and close its loops."""
+        """Set a tree whose coordinates are chosen, and close its loops."""
         tree, chosen = made.tree, made.chosen
         model = self.model = tree.model
         self.visual_model = tree.visual_model
@@ -264,9 +259,9 @@ class ClosedLoopRobot(Described):
                 logger.warning("%s", one)
 
     def _settled(self, guess: Array, found: Structure) -> Core:
-        """Return the core at a pose whose coordinates are those of the guess.
+        """Return the core at a closed pose with the coordinates of the guess.
 
-        Or where all joints are closed best, if they cannot be kept.
+        If these coordinates cannot be kept, the pose is the one that closes the loops best.
         """
         mismatch, weakest = allowance(found)
 
@@ -292,19 +287,19 @@ class ClosedLoopRobot(Described):
             raise refused from None
 
     def _all_closures(self) -> list[Any]:
-        """Return what closes the tree: loops, other equations, and balls held in spin."""
+        """Return all closures of the tree: loops, other equations, and held spins of balls."""
         spins = [one.spin for one in self.locked if one.spin is not None]
         return [*self.constraint_models, *self.equations, *spins]
 
     def _create_data(self) -> None:
-        """Make the memory in which Pinocchio computes."""
+        """Create Pinocchio's data."""
         self.data = self.model.createData()
         self._constraint_data = pin.StdVec_RigidConstraintData()
         for constraint in self.constraint_models:
             self._constraint_data.append(constraint.createData())
 
     def __getstate__(self) -> dict[str, Any]:
-        # Pinocchio pickles neither constraints nor what it computes of them.
+        # Pinocchio can pickle neither constraints nor their data.
         state = {**self.__dict__, "constraint_models": plain(self.constraint_models)}
         for made in ("data", "_constraint_data"):
             del state[made]
@@ -327,28 +322,28 @@ class ClosedLoopRobot(Described):
         coordinates: Sequence[str] | None = None,
         closures: Sequence[tuple[str, str, str]] = (),
     ) -> ClosedLoopRobot:
-        """Load a robot from a URDF, with a loop file or without.
+        """Load a robot from a URDF, with or without a loop file.
 
         Parameters
         ----------
         urdf : path
-            The tree, with the frames that the loops join.
+            The URDF file, with the frames that the loops join.
         loops : path, optional
-            The loop file, in the keys of :mod:`psp3.description.loop_file`. Without one, frames
+            The loop file, see :mod:`psp3.description.loop_file`. Without one, frames
             ``closing_<name>_1`` and ``closing_<name>_2`` are joined, see
             :mod:`psp3.description.closing_frames`; a URDF without such frames is a tree.
         srdf : path, optional
             Reference poses; the pose ``home`` becomes ``q0``.
         actuated : sequence of str, optional
-            Names of the motors; by default those of the loop file, or, of a tree, all joints of one
-            degree of freedom that mimic no other.
+            Names of the motors. The default is those of the loop file; for a tree, all joints of
+            one degree of freedom that do not mimic another.
         free, coordinates, closures
             See the class.
 
         Raises
         ------
         InvalidRobotFile
-            If a file is missing or malformed, or a frame or joint it names does not exist.
+            If a file is missing or malformed, or names a frame or joint that does not exist.
         InvalidValue
             If a robot has loops, but neither a loop file nor ``actuated``.
         """
@@ -380,12 +375,13 @@ class ClosedLoopRobot(Described):
         Parameters
         ----------
         mjcf : path
-            The file; what it may hold is said in :func:`psp3.description.mjcf.read_mjcf`.
+            The file; :func:`psp3.description.mjcf.read_mjcf` describes its allowed contents.
         actuated : sequence of str, optional
             Names of the actuated joints; those of the file's actuators by default.
         joint_type : mapping of str to str, optional
-            What hinges stand for: a joint's name to ``"SPHERICAL"``, ``"UJOINT_XY"`` and the like,
-            or ``"FIXED"``, as in a loop file (:mod:`psp3.description.joint_replacement`).
+            Joint types that hinges stand for: maps a joint's name to ``"SPHERICAL"``,
+            ``"UJOINT_XY"`` and the like, or ``"FIXED"``, as in a loop file
+            (:mod:`psp3.description.joint_replacement`).
         free, coordinates, closures
             See the class.
 
@@ -418,16 +414,16 @@ class ClosedLoopRobot(Described):
         coordinates: Sequence[str] | None = None,
         closures: Sequence[tuple[str, str, str]] = (),
     ) -> ClosedLoopRobot:
-        """Load a robot from an SDF file, in which a link that two joints carry closes a loop.
+        """Load a robot from an SDF file, in which joints may close loops.
 
         Parameters
         ----------
         sdf : path
-            The file; what it may hold is said in :func:`psp3.description.sdf.read_sdf`.
+            The file; :func:`psp3.description.sdf.read_sdf` describes its allowed contents.
         actuated : sequence of str
-            Names of the actuated joints, which an SDF does not say.
+            Names of the actuated joints, which an SDF file does not state.
         model_paths : sequence of path, optional
-            Folders from which models may be included, besides that of the file.
+            Folders from which models may be included, in addition to the folder of the file.
         free, coordinates, closures
             See the class.
 
@@ -468,7 +464,7 @@ class ClosedLoopRobot(Described):
 
     @property
     def title(self) -> str:
-        """Name of the robot where it is shown."""
+        """Name of the robot in titles."""
         return str(self.model.name)
 
     @property
@@ -483,13 +479,13 @@ class ClosedLoopRobot(Described):
 
     @property
     def compiled_steps(self) -> Callable[[int, Any], Any]:
-        """How to make a compiled plant of the robot from a number of steps and its drives."""
+        """Function that creates a compiled plant from a number of steps and drives."""
         from psp3.robots.stepping import CoreSteps
 
         return functools.partial(CoreSteps, self._core, self._motors)
 
     def compiled_table(self) -> NamedTuple | None:
-        """Return the robot as compiled loops take it; None of a class that changes its dynamics."""
+        """Return the robot's table for compiled loops; None if a subclass changes its dynamics."""
         from psp3.robots.stepping import tables_of_motors
 
         if type(self) is not ClosedLoopRobot:
@@ -500,14 +496,14 @@ class ClosedLoopRobot(Described):
 
     @property
     def learning_inputs(self) -> LearningInputs:
-        """What M, C and G depend on: positions, and for C speeds, too."""
+        """The inputs of M, C and G: positions, and for C also speeds."""
         return positions_and_speeds(self.coordinates)
 
     @property
     def limits(self) -> tuple[Array, Array]:
         """Lowest and highest positions of the coordinates, each (p,) [m or rad].
 
-        A floating base has none: those that Pinocchio gives it are of its quaternion.
+        A floating base has no limits; Pinocchio's are those of its quaternion.
         """
         lower = self.model.lowerPositionLimit[self.coordinates_q]
         upper = self.model.upperPositionLimit[self.coordinates_q]
@@ -518,7 +514,7 @@ class ClosedLoopRobot(Described):
     def dynamics(self, name: str) -> DynamicsModel:
         """Return one of the implementations of the equation of motion.
 
-        Each closes the loops in its own way. They share the tree and Pinocchio's joints, and no
+        Each closes the loops in its own way. They share the tree and Pinocchio's joints, but no
         compiled function.
 
         Parameters
@@ -527,7 +523,7 @@ class ClosedLoopRobot(Described):
             ``"core"`` (this object), ``"pinocchio"`` (the tree's RNEA and CRBA projected, see
             :class:`psp3.dynamics.projected.ProjectedDynamics`) or ``"noc"`` (the thesis's natural
             orthogonal complement, eq. 3.2–3.4, see :class:`psp3.NaturalOrthogonalComplement`). The
-            latter two close the loops by Newton's method from home (eq. 3.15), each on its own
+            latter two close the loops with Newton's method from home (eq. 3.15), each with its own
             constraints.
 
         Raises
@@ -547,7 +543,7 @@ class ClosedLoopRobot(Described):
     def constraint_jacobian(self, q: ArrayLike) -> Array:
         """Return Pinocchio's constraint Jacobian, (m, nv).
 
-        Minus the derivative of the residual where the loops are closed.
+        If the loops are closed, it is minus the derivative of the residual.
         """
         q = one_row("q", q, self.model.nq)
         if not len(self.constraint_models):
@@ -567,20 +563,20 @@ class ClosedLoopRobot(Described):
         return self._core
 
     def last_pose(self) -> LastPose | None:
-        """Return a memory of the pose that the caller was in last.
+        """Return a memory of the caller's last pose.
 
-        Given as ``guess``, closing the loops starts from there, which is faster where the robot
+        If it is the ``guess``, the loops are closed from that pose, which is faster if the robot
         moves little between two calls. It belongs to one thread at a time.
         """
         return self._core.last_pose()
 
     def _refused(self, failed: NoAnswer, positions: Array) -> Exception:
-        """Return the error that says why a row of positions (N, n) has no answer."""
+        """Return the error that explains why a row of positions (N, n) has no answer."""
         try:
             if failed.outcome == BEYOND_LIMIT:
                 self._limited.check(failed.q[np.newaxis])
             if failed.outcome == SINGULAR:
-                # What is wrong is told by Pinocchio's Jacobian.
+                # Pinocchio's Jacobian shows the cause.
                 self._dependent_inverse(failed.q)
                 if self._has_mass_matrix(positions[failed.row]):
                     return NoFiniteAnswer(positions[failed.row])
@@ -591,7 +587,7 @@ class ClosedLoopRobot(Described):
         return ClosureFailed(positions[failed.row], failed.residual, failed.share)
 
     def _has_mass_matrix(self, positions: Array) -> bool:
-        """Tell whether a mass matrix is to be had, so that only it can be singular."""
+        """Tell whether there is a mass matrix, so that only it can be singular."""
         rest = np.zeros((1, self._speed_count))
         out = np.empty((1, 2 * rest.size**2 + rest.size))
         try:
@@ -612,11 +608,11 @@ class ClosedLoopRobot(Described):
     ) -> Array:
         """Return the answers of the core, (..., width), for arguments (..., n).
 
-        What a question does not need may be any of the others.
+        For an argument that a question does not need, any other argument may be given.
         """
         plain = type(positions) is type(speeds) is type(third) is np.ndarray
         if plain and (guess is None or type(guess) is LastPose):
-            # One state, as control loops ask for it: nothing to check that the kernels do not.
+            # For one state, as in control loops: the kernels check everything that is necessary.
             out = np.empty(width)
             try:
                 if self._core.ask_one(question, positions, speeds, third, out, guess):
@@ -649,8 +645,8 @@ class ClosedLoopRobot(Described):
     ) -> Array:
         """Return the configurations that close the loops at the given actuated positions.
 
-        Newton's method with continuation from the reference pose, so the assembly mode is that of
-        the reference.
+        Newton's method with continuation starts from the reference pose, so the assembly mode is
+        that of the reference.
 
         Parameters
         ----------
@@ -680,14 +676,14 @@ class ClosedLoopRobot(Described):
     def configurations_along(self, path: ArrayLike, guess: ArrayLike | None = None) -> Array:
         """Return the configurations along a path.
 
-        Each is reached from the one before, so that the assembly mode is kept.
+        Each is reached from the preceding one, so the assembly mode is kept.
 
         Parameters
         ----------
         path : (N, n) array_like
             Positions of the actuated joints [m or rad], in the order of the path.
         guess : (nq,) array_like, optional
-            Where the path is entered from; ``q0`` by default.
+            Configuration from which the first pose is reached; ``q0`` by default.
 
         Returns
         -------
@@ -770,7 +766,7 @@ class ClosedLoopRobot(Described):
     def drift(self, q: ArrayLike, v: ArrayLike) -> Array:
         r"""Return the joint accelerations, :math:`\dot L \dot q^a`.
 
-        They hold while the actuated joints move uniformly.
+        They are those at constant speeds of the actuated joints.
 
         Parameters
         ----------
@@ -890,16 +886,16 @@ class ClosedLoopRobot(Described):
         accelerations: ArrayLike,
         guess: ArrayLike | LastPose | None = None,
     ) -> Array:
-        r"""Return the forces of the motors for a motion, of least norm where motors are many.
+        r"""Return the motor forces for a motion; with many motors, those with the least norm.
 
         They solve :math:`A \tau = y` with :math:`A` from :meth:`actuation_matrix` and y from
-        :meth:`inverse_dynamics`. With as many motors as coordinates both are the same.
+        :meth:`inverse_dynamics`. With as many motors as coordinates, both forces are the same.
 
         Parameters
         ----------
         positions, speeds, accelerations : (..., p), (..., n), (..., n) array_like
             Motion of the coordinates. Fewer accelerations, (..., k), are those of the first k
-            coordinates, usually of the ``commanded`` ones, and the others follow, as they will
+            coordinates, usually of the ``commanded`` ones, and the others follow from the dynamics
             (partial feedback linearization).
 
         Returns
@@ -912,7 +908,7 @@ class ClosedLoopRobot(Described):
         InvalidArray, ClosureFailed, SingularConfiguration
             See :meth:`configuration`.
         UnreachableForces
-            If motors are missing for this motion.
+            If the motors cannot produce this motion.
         """
         if self.drives_coordinates:
             return self.inverse_dynamics(positions, speeds, accelerations, guess)
@@ -925,7 +921,7 @@ class ClosedLoopRobot(Described):
         )
 
     def allocated_forces(self, positions: ArrayLike, forces: ArrayLike) -> Array:
-        """Return the motors' forces of least norm that make forces along the first coordinates.
+        """Return the motor forces with the least norm for forces along the first coordinates.
 
         Parameters
         ----------
@@ -933,17 +929,17 @@ class ClosedLoopRobot(Described):
             Positions of the coordinates.
         forces : (..., k) array_like
             Forces [N] or torques [N m] along the first k coordinates, usually the ``commanded``
-            ones. What the motors do along the others is not asked.
+            ones. The forces along the others are arbitrary.
 
         Returns
         -------
         (..., m) ndarray
-            Forces of the motors. With as many motors as coordinates, whose they are, the same.
+            Forces of the motors; the given forces if the coordinates are those of the motors.
 
         Raises
         ------
         UnreachableForces
-            If the motors cannot.
+            If the motors cannot produce them.
         """
         p, n = self._position_count, self._speed_count
         wanted = finite_array("forces", forces)
@@ -971,14 +967,14 @@ class ClosedLoopRobot(Described):
 
     @property
     def commanded(self) -> int:
-        """How many coordinates, the first ones, the motors command; the others follow."""
+        """Number of coordinates that the motors command; these are the first ones."""
         return int(self.mobility.commanded)
 
     def actuation_matrix(self, positions: ArrayLike) -> Array:
         r"""Return the matrix from motor forces to forces along the coordinates, :math:`A = L^T B`.
 
-        B has a column a motor, with a one at its joint, or the levers of its tendon. The equation
-        of motion is :math:`M a + C v + G = A \tau`.
+        B has a column for each motor, with a one at its joint, or the lever arms of its tendon. The
+        equation of motion is :math:`M a + C v + G = A \tau`.
 
         Parameters
         ----------
@@ -988,7 +984,7 @@ class ClosedLoopRobot(Described):
         Returns
         -------
         (..., n, m) ndarray
-            The unit matrix, where the coordinates are those of the motors.
+            The unit matrix if the coordinates are those of the motors.
         """
         nq, nv, n = self.model.nq, self.model.nv, self._speed_count
         rest = np.zeros(n)
@@ -997,29 +993,30 @@ class ClosedLoopRobot(Described):
         return np.asarray(transposed @ self.motors)
 
     def drives_of_coordinates(self, drive: Drive | Sequence[Drive]) -> Driven:
-        """Return drives of the motors, and the joints' dry friction, as the coordinates feel them.
+        """Return drives of the motors, and joints' dry friction, as they act on the coordinates.
 
         Parameters
         ----------
         drive : Drive or sequence of Drive
-            Of all motors, or of each.
+            The drive of all motors, or of each.
 
         Returns
         -------
         Driven
-            Those at coordinates, and those elsewhere.
+            Drives at coordinates, and drives elsewhere.
 
         Raises
         ------
         InvalidValue
-            If it is neither a drive nor one for each motor.
+            If the argument is neither a drive nor one drive for each motor.
         """
         return self._motors.driven(drive_table(drive, len(self.actuated)))
 
     def preload(self, positions: ArrayLike) -> Array:
-        """Return a basis of the motors' forces that move nothing, (m, k), at one pose.
+        """Return a basis of the motor forces that move nothing, (m, k), at one pose.
 
-        With more motors than degrees of freedom they can work against each other; without, k is 0.
+        If there are more motors than degrees of freedom, they can work against each other;
+        otherwise k is 0.
 
         Parameters
         ----------
@@ -1035,15 +1032,15 @@ class ClosedLoopRobot(Described):
         r"""Return the forces in every loop and every joint of one state.
 
         They are the :math:`\lambda` of :math:`J^T \lambda = f - B \tau`, with f the forces of the
-        open tree in the motion that the motors' forces bring about, and J the derivative of the
-        closure equations. Where loops are redundant they are the shortest.
+        open tree in the motion that the motor forces cause, and J the derivative of the closure
+        equations. For redundant loops, the shortest solution is returned.
 
         Parameters
         ----------
         positions, speeds : (p,), (n,) array_like
             State of the coordinates.
         forces : (n,) array_like
-            Forces along the coordinates; of motors, :meth:`actuation_matrix` times theirs.
+            Forces along the coordinates: :meth:`actuation_matrix` times the motor forces.
 
         Returns
         -------
@@ -1155,9 +1152,9 @@ class ClosedLoopRobot(Described):
         return found[..., 0, :, :], found[..., 1, :, :], found[..., 2, :, :]
 
     def frame_jacobian(self, positions: ArrayLike, frame: str) -> Array:
-        """Return the Jacobian of a frame by the actuated coordinates.
+        """Return the Jacobian of a frame with respect to the actuated coordinates.
 
-        In base axes at the frame's origin.
+        It is in base axes at the frame's origin.
 
         Parameters
         ----------
@@ -1211,7 +1208,7 @@ class ClosedLoopRobot(Described):
         return placement
 
     def frame_table(self, frame: str) -> Array:
-        """Return a frame as compiled code takes it, (13,): its element, rotation and position.
+        """Return a frame as numbers for compiled code, (13,): its element, rotation and position.
 
         Raises
         ------
@@ -1222,7 +1219,7 @@ class ClosedLoopRobot(Described):
         return self._core.frame(known.parentJoint, known.placement)
 
     def _ask_of_frame(self, positions: ArrayLike, frame: str) -> Array:
-        """Return placement and Jacobian of a frame as the core writes them, (..., 12 + 6n)."""
+        """Return placement and Jacobian of a frame in the core's format, (..., 12 + 6n)."""
         given = finite_rows("positions", positions, self._position_count)
         rows = given.reshape(-1, self._position_count)
         out = np.empty((len(rows), 12 + 6 * self._speed_count))
@@ -1251,7 +1248,7 @@ class ClosedLoopRobot(Described):
         Raises
         ------
         InvalidArray, ClosureFailed, JointLimitExceeded
-            See :meth:`configuration`; also of a robot without a tip.
+            See :meth:`configuration`; also if the robot has no tip.
         """
         if self.model.existFrame("tip"):
             return self.frame_placement(positions, "tip")[..., :3, 3]
@@ -1259,7 +1256,7 @@ class ClosedLoopRobot(Described):
         return np.full((*configurations.shape[:-1], 3), np.nan)
 
     has_inverse_of_tip = False
-    """Whether :meth:`motion_of_tip` can be asked for: actuated positions of a path of the tip."""
+    """Whether :meth:`motion_of_tip` is available: actuated positions for a path of the tip."""
 
     def motion_of_tip(
         self, point: Array, velocity: Array, acceleration: Array
@@ -1274,7 +1271,7 @@ class ClosedLoopRobot(Described):
         Raises
         ------
         InvalidValue
-            If the robot has no inverse kinematics of its tip.
+            If the robot has no inverse kinematics for its tip.
         """
         raise InvalidValue(
             "robot",
@@ -1290,7 +1287,7 @@ class ClosedLoopRobot(Described):
     def potential_energy(self, positions: ArrayLike) -> Array:
         """Return the potential energy in the field of gravity and in springs [J], (...,).
 
-        Zero with all masses at the base's height and all springs at rest.
+        It is zero with all masses at the base's height and all springs at rest.
         """
         rest = np.zeros(self._speed_count)
         return self._ask(ENERGIES, 2, None, positions, rest, rest)[..., 1]

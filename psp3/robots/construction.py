@@ -1,4 +1,4 @@
-"""What a robot is made of besides its tree: motors, and closures given by names of frames."""
+"""Parts of a robot in addition to its tree: motors, and closures given by names of frames."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from psp3.multibody.equations import Coupling, Hinge, Spin
 from psp3.multibody.named_frames import frame_number
 
 CLOSURE_KINDS = ("3d", "6d", "hinge")
-"""Kinds of closures that can be added: a point; position and direction; a point and an axis."""
+"""Kinds of closures that can be added: a point; position and orientation; a point and an axis."""
 
 ONE_FREEDOM = "a joint of one degree of freedom: write a joint of several as a chain of such joints"
 
@@ -26,7 +26,7 @@ def check_parts(
     options: Mapping[str, Any],
     closures: Any,
 ) -> None:
-    """Raise :class:`InvalidValue` if a part of a robot is of another kind than it should be."""
+    """Raise :class:`InvalidValue` if a part of a robot has the wrong type."""
     checked_kind("model", model, pin.Model, "a pinocchio.Model")
     vector = pin.StdVec_RigidConstraintModel
     checked_kind("constraint_models", constraint_models, (list, tuple, vector), "a list of loops")
@@ -69,7 +69,7 @@ def _check_tendons(tendons: Any) -> None:
 def motor_matrix(
     model: pin.Model, actuated: Sequence[str], tendons: Mapping[str, Mapping[str, float]]
 ) -> Array:
-    """Return what each motor drives, a column of joint velocities each, (nv, m)."""
+    """Return the joint velocities that the motors drive, one column per motor, (nv, m)."""
     matrix = np.zeros((model.nv, len(actuated)))
     for column, name in enumerate(actuated):
         for joint, lever in tendons.get(name, {name: 1.0}).items():
@@ -85,7 +85,7 @@ def motor_matrix(
 def named_closures(
     model: pin.Model, closures: Sequence[tuple[str, str, str]], q: Array | None
 ) -> list[Any]:
-    """Return more closures, given by frames and kinds."""
+    """Return additional closures, given by frames and kinds."""
     data, made = model.createData(), []
     pin.framesForwardKinematics(model, data, pin.neutral(model) if q is None else q)
     for first, second, kind in closures:

@@ -1,4 +1,4 @@
-"""The path by which :mod:`psp3.dynamics.dynamics_model` was public first, and still is."""
+"""An alias of :mod:`psp3.dynamics.dynamics_model`, kept because it was its first public path."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A report on a robot: its parts, what was changed to make it move, and doubts about its file."""
+"""Report on a robot: its parts, changes that were made on loading, and doubts about its file."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from psp3.robots.inertias import impossible
 from psp3.robots.second_opinion import Opinion, mujoco_opinion
 
 LIGHT = 1e-9
-"""A coordinate that moves this share of what another one does moves nothing."""
+"""A coordinate moves nothing if it moves less than this share of what another one moves."""
 
 
 HELD = (
     ("", False, 'actuated=[...] names more motors, free="keep" makes them coordinates'),
-    ("the spin of ", True, "nothing, of a rod; of more, hold or drive it (joint_type)"),
+    ("the spin of ", True, "nothing for a rod; else hold or drive it (joint_type)"),
 )
-"""Motions that are held: what they are called, whether a ball's, and what can be done."""
+"""Held motions: their names, whether each is the spin of a ball joint, and the remedy."""
 
 
 class Finding(NamedTuple):
-    """Something that the owner of a file should know, and what can be done about it."""
+    """A problem that the owner of a file should know about, and its remedy."""
 
     what: str
     remedy: str
@@ -36,9 +36,9 @@ class Examination(NamedTuple):
 
     title: str
     bodies: int
-    """Bodies that move."""
+    """Number of moving bodies."""
     mass: float
-    """Of these [kg]."""
+    """Mass of the moving bodies [kg]."""
     joints: int
     motors: tuple[str, ...]
     coordinates: tuple[str, ...]
@@ -47,19 +47,21 @@ class Examination(NamedTuple):
     mobility: str
     """Degrees of freedom, in words."""
     held: tuple[str, ...]
-    """Motions that no motor commands, and that are held."""
+    """Held motions, which no motor commands."""
     redundant_equations: int
     mismatch: tuple[float, ...]
-    """How far redundant loops stay open [m], [rad], and how far that moved home [m, rad]."""
+    """Residual of redundant loops [m], [rad], and how far it moved home [m, rad]."""
     size: float
-    """How far apart its joints are [m]."""
+    """Largest distance between its joints [m]."""
     mujoco: str
-    """How well MuJoCo agrees about the file, if it reads such files and is installed."""
+    """MuJoCo's reading of the file compared with this one, if MuJoCo reads such files and is
+    installed.
+    """
     findings: tuple[Finding, ...]
 
 
 def examine(robot: ClosedLoopRobot) -> Examination:
-    """Look at a robot that was loaded.
+    """Examine a robot after loading.
 
     Parameters
     ----------
@@ -69,10 +71,9 @@ def examine(robot: ClosedLoopRobot) -> Examination:
     Returns
     -------
     Examination
-        What it is made of, with findings of motions that are held, motors that others determine,
-        joints that are beyond their limits, loops that contradict themselves, bodies that have an
-        inertia that no rigid body has, coordinates that move next to nothing, and of what MuJoCo
-        reads otherwise.
+        Its parts, with findings about held motions, motors that other motors determine, joints
+        beyond their limits, loops that contradict themselves, bodies with an impossible inertia,
+        coordinates that move almost no mass, and differences from MuJoCo's reading.
     """
     opinion = mujoco_opinion(robot)
     closures = [*robot.constraint_models, *robot.equations]
@@ -114,7 +115,7 @@ def _of_motions(robot: ClosedLoopRobot) -> list[Finding]:
     for kind, is_spin, remedy in HELD:
         joints = [one.joint for one in robot.locked if (one.spin is not None) == is_spin]
         if joints:
-            # A ball that is held in several directions once.
+            # A ball joint that is held about several axes is listed once.
             names = ", ".join(dict.fromkeys(joints))
             findings.append(Finding(f"no motor commands {kind}{names}: held at home", remedy))
     if robot.mobility.over_actuation:
@@ -181,7 +182,7 @@ def _of_inertias(model: pin.Model) -> list[Finding]:
 
 
 def _of_mass_matrix(robot: ClosedLoopRobot) -> list[Finding]:
-    """Tell a coordinate that moves nothing: forward dynamics divides by its inertia."""
+    """Report a coordinate that moves no mass, because forward dynamics divides by its inertia."""
     diagonal = np.diag(robot.mass_matrix(robot.reference))
     lightest = np.flatnonzero(diagonal <= LIGHT * diagonal.max())
     return [

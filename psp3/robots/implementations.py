@@ -18,9 +18,9 @@ def implementation(robot: Any, name: str) -> DynamicsModel:
     Raises
     ------
     UnknownName
-        If there is none of that name; the error lists the known ones.
+        If there is no implementation of that name; the error lists the known ones.
     InvalidValue
-        If the thesis's method has no word for a part of the robot.
+        If the thesis's method does not cover a part of the robot.
     """
     if name == "core":
         core: DynamicsModel = robot
@@ -30,8 +30,8 @@ def implementation(robot: Any, name: str) -> DynamicsModel:
         raise InvalidValue(
             f"robot.dynamics({name!r}) of a robot with",
             unknown,
-            "a tree with closures at points or frames; robot.dynamics('pinocchio') knows the "
-            "rest, too",
+            "a tree with closures at points or frames; robot.dynamics('pinocchio') covers "
+            "the rest, too",
         )
     if name == "pinocchio":
         from psp3.dynamics.projected import ProjectedDynamics
@@ -45,7 +45,7 @@ def implementation(robot: Any, name: str) -> DynamicsModel:
 
 
 def unknown_to_the_thesis(robot: Any) -> str:
-    """Say what of the robot the thesis's method has no word for; nothing if it knows all."""
+    """Return the parts of the robot that the thesis's method does not cover; empty if none."""
     mismatch = robot.closure_mismatch
     parts = {
         "hinges or couplings": bool(robot.equations),

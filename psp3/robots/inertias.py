@@ -1,8 +1,8 @@
-"""Inertias of bodies: which ones are physically impossible.
+"""Find inertias of bodies that are physically impossible.
 
-The moments of a body are sums of squares of two coordinates each, so that none is negative and none
-exceeds the sum of the other two. Readers refuse files whose masses or moments are negative; a model
-that is built in memory is looked at here, and only told of where its moments are.
+Each moment of a body is a sum of squares of two coordinates, so none is negative and none exceeds
+the sum of the other two. Readers refuse files with negative masses or moments. This module checks a
+model that is built in memory; negative moments there only cause a warning.
 """
 
 from __future__ import annotations
@@ -14,19 +14,20 @@ from psp3.checks import Array
 from psp3.errors import InvalidValue
 
 IMPOSSIBLE = 1e-9
-"""So far, as a share of the largest, a principal moment may exceed the sum of the other two by the
-rounding of the computer: those of a flat body are at the very border.
+"""A principal moment may exceed the sum of the other two by this share of the largest one, because
+of floating-point rounding: the moments of a flat body are exactly at the border.
 """
 
 ROUNDED = 2e-3
-"""Below this share an impossible inertia may be one that was rounded."""
+"""An impossible inertia below this share may be a rounded one."""
 
 
 def check_model(model: pin.Model) -> None:
-    """Raise :class:`InvalidValue` if a model holds what no robot is made of.
+    """Raise :class:`InvalidValue` if a model contains impossible numbers.
 
-    That is a number that is not finite, or a negative mass. Of negative moments a warning tells:
-    identified parameters, and differences of robots, may have them and forces that are right.
+    These are numbers that are not finite, and negative masses. Negative moments only cause a
+    warning, because identified parameters and differences of robots may have them and still give
+    correct forces.
     """
     for name, inertia in zip(model.names, model.inertias, strict=True):
         numbers = inertia.toDynamicParameters()
@@ -41,7 +42,7 @@ def check_model(model: pin.Model) -> None:
 
 
 def _check_numbers(model: pin.Model) -> None:
-    """Raise :class:`InvalidValue` if a number that enters equations is none."""
+    """Raise :class:`InvalidValue` if a number in the equations is not valid."""
     numbers: dict[str, Array] = {
         "jointPlacements": np.array([place.homogeneous for place in model.jointPlacements]),
         "gravity": np.asarray(model.gravity.vector),
@@ -61,7 +62,7 @@ def _check_numbers(model: pin.Model) -> None:
 
 
 def impossible(inertia: pin.Inertia) -> str:
-    """Return what is wrong with an inertia in words; nothing if a body can have it."""
+    """Return a description of what is wrong with an inertia; empty if a body can have it."""
     moments = np.linalg.eigvalsh(inertia.inertia)
     if inertia.mass < 0.0 or moments[0] < -ROUNDED * abs(moments[2]):
         return f"mass {inertia.mass:.6g} kg, principal moments {moments} kg m²"
@@ -79,20 +80,20 @@ def impossible(inertia: pin.Inertia) -> str:
 
 
 def turning(model: pin.Model) -> list[bool]:
-    """Return which bodies can turn, joint by joint; the moments of the others do not matter."""
+    """Return which bodies can rotate, joint by joint; the moments of the others do not matter."""
     data, local = model.createData(), pin.ReferenceFrame.LOCAL
     pin.computeJointJacobians(model, data, pin.neutral(model))
     return [
-        # Of a model with a single degree of freedom Pinocchio returns a vector.
+        # For a model with a single degree of freedom Pinocchio returns a vector.
         bool(np.any(pin.getJointJacobian(model, data, index, local).reshape(6, model.nv)[3:]))
         for index in range(model.njoints)
     ]
 
 
 def warning_of_inertias(model: pin.Model) -> str:
-    """Return what is told of bodies that turn with an inertia that none has; nothing of others.
+    """Return the warning about rotating bodies with an impossible inertia; empty if none.
 
-    What rounding may have done is not told.
+    Violations that rounding can explain are not reported.
     """
     wrong = []
     for name, inertia, turns in zip(model.names, model.inertias, turning(model), strict=True):

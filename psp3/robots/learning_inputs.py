@@ -1,4 +1,4 @@
-"""What a robot's dynamics depend on: the inputs from which M, C and G can be learned."""
+"""The inputs from which the M, C and G of a robot can be learned."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from psp3.checks import Array, Indices
 
 
 class LearningInputs(NamedTuple):
-    r"""Inputs of what is learned of a robot's dynamics, and which numbers depend on which of them.
+    r"""Inputs of the learned dynamics of a robot, and which matrices depend on which inputs.
 
-    Each is a position or a speed, or the difference of two,
+    Each input is a position or a speed, or the difference of two,
 
     .. math:: x_i = s_{p_i} - s_{m_i}, \qquad s = (a, \dot a).
 
@@ -26,7 +26,7 @@ class LearningInputs(NamedTuple):
     of_mass_and_gravity : tuple of int
         Numbers of the inputs that M and G depend on.
     of_coriolis : tuple of int
-        Numbers of the inputs that C depends on. Where they are the same, one rule base says all.
+        Numbers of the inputs that C depends on. If these are the same, one rule base is enough.
     """
 
     names: tuple[str, ...]
@@ -45,7 +45,7 @@ class LearningInputs(NamedTuple):
 def positions_and_speeds(joints: Sequence[str]) -> LearningInputs:
     """Return inputs that serve any robot.
 
-    M and G depend on the positions of its joints, C on their speeds, too.
+    M and G depend on the positions of its joints; C also depends on their speeds.
     """
     n = len(joints)
     names = (*joints, *(f"speed of {joint}" for joint in joints))
@@ -54,7 +54,7 @@ def positions_and_speeds(joints: Sequence[str]) -> LearningInputs:
 
 
 def differences_of_three() -> LearningInputs:
-    """Return the four differences of Table 5.2, for a robot that may rise as a whole."""
+    """Return the four differences of Table 5.2, for a robot that can rise as a whole."""
     return LearningInputs(
         ("Δq12", "Δq13", "Δq̇12", "Δq̇13"),
         np.array([0, 0, 3, 3]),

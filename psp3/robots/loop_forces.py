@@ -17,23 +17,23 @@ from psp3.multibody.flatten import NO_MOTORS, flattened
 
 
 class LoopForce(NamedTuple):
-    """What a loop does to the body of its second frame; that of the first feels the opposite."""
+    """Force of a loop on the body of its second frame; the first body gets the opposite force."""
 
     name: str
     force: Array
-    """In axes of the first frame, (3,) [N]."""
+    """Force in axes of the first frame, (3,) [N]."""
     torque: Array
-    """About its origin, (3,) [N m]; zero where the loop joins a point only."""
+    """Torque about its origin, (3,) [N m]; zero if the loop joins only a point."""
 
 
 class JointReaction(NamedTuple):
-    """What a joint does to the body that it carries."""
+    """Force of a joint on the body that it carries."""
 
     name: str
     force: Array
-    """In axes of the body's joint frame, (3,) [N]."""
+    """Force in axes of the body's joint frame, (3,) [N]."""
     torque: Array
-    """About its origin, (3,) [N m], with the motor's share."""
+    """Torque about its origin, (3,) [N m], including that of the motor."""
 
 
 class ClosureForces(NamedTuple):
@@ -50,25 +50,25 @@ def forces_of_motion(
     motion: tuple[Array, Array, Array],
     acting: Array,
 ) -> ClosureForces:
-    r"""Return the forces in loops and joints that a motion takes.
+    r"""Return the forces in loops and joints during a motion.
 
     Parameters
     ----------
     model : pinocchio.Model
         The tree.
     closures : sequence
-        What closes it.
+        The closures of the tree.
     held : sequence of int
         Velocities that are held at zero.
     motion : tuple of ndarray
         Configuration (nq,), velocities and accelerations (nv,) of all joints.
     acting : (nv,) ndarray
-        Forces that act along the joints: of motors, springs and what brakes.
+        Forces along the joints: those of motors, springs, damping and friction.
 
     Returns
     -------
     ClosureForces
-        The shortest, where loops are redundant.
+        The forces; the shortest ones if loops are redundant.
     """
     data, flat = model.createData(), flattened(model, closures, NO_MOTORS)
     left = np.array(pin.rnea(model, data, *motion)) - acting
@@ -106,7 +106,7 @@ def _loop_force(name: str, rows: Array) -> LoopForce:
     """Return the force of a loop from those of its equations."""
     torque = np.zeros(3)
     if len(rows) == 5:
-        # The rows are of the second frame's z axis, which turns with ω × e_z.
+        # The rows are those of the second frame's z axis, which moves with ω × e_z.
         torque[:2] = -rows[4], rows[3]
     elif len(rows) == 6:
         torque[:] = rows[3:]

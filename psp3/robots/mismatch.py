@@ -1,6 +1,6 @@
-"""Loops that are inconsistent by rounding, and other likely mistakes of a file.
+"""Loops that rounding makes inconsistent, and other likely mistakes in a file.
 
-What is allowed, refused and told when a robot is made of its parts.
+The module decides what is allowed, refused and logged when a robot is constructed.
 """
 
 from __future__ import annotations
@@ -16,29 +16,29 @@ from psp3.errors import MobilityMismatch, RoundedLoops
 from psp3.robots.simple_joints import is_round
 
 ALLOWED_MISMATCH = 10.0
-"""Elsewhere in the workspace loops may stay open by so many times what was found near home."""
+"""Elsewhere in the workspace, loops may stay open by this many times the residual near home."""
 
 
 MOVES = 1e-3
-"""Share of a motion from which on a joint takes part in it."""
+"""Smallest share of a motion with which a joint takes part in it."""
 
 
 class ClosureMismatch(NamedTuple):
-    """How far a robot's loops contradict themselves, and what that did to its home."""
+    """How far a robot's loops contradict themselves, and how far this moved its home."""
 
     length: float
-    """How far redundant closure equations stay open in position [m]."""
+    """Position residual of redundant closure equations [m]."""
     angle: float
-    """And in direction [rad]."""
+    """Their angular residual [rad]."""
     home_moved: float
-    """How far the reference pose is from the one that was given, in any joint [m, rad]."""
+    """Largest difference of any joint between the reference pose and the given one [m, rad]."""
 
 
 def allowance(found: Structure) -> tuple[float, float]:
-    """Return the residual that loops may keep by rounding, and the weakest pivot that counts."""
+    """Return the residual that rounding may leave in loops, and the weakest pivot that counts."""
     if found.mismatch <= EXACT:
         return 0.0, 0.0
-    # In meters and radians at once: the kernels look at the largest.
+    # Meters and radians are not distinguished, because the kernels compare the largest residual.
     return ALLOWED_MISMATCH * max(found.length, found.angle), 3.0 * found.dropped
 
 
@@ -48,7 +48,7 @@ def refuse(
     actuated: Sequence[str],
     names: Sequence[str],
 ) -> None:
-    """Refuse a mechanism that does not move, or whose loops do not agree."""
+    """Refuse a mechanism that cannot move, or whose loops contradict each other."""
     freedoms = found_mobility.degrees_of_freedom
     if found.mismatch > LARGEST_MISMATCH or (freedoms == 0 and found.mismatch > EXACT):
         raise RoundedLoops(names[found.worst], found.length, found.angle, freedoms)
@@ -57,9 +57,9 @@ def refuse(
 
 
 def warnings_of(robot: Any, loop: str, found: Structure) -> list[str]:
-    """Return what is told of a robot: rounded loops, limits not kept, and motions that are held.
+    """Return the warnings about a robot: rounded loops, removed limits and held motions.
 
-    ``loop`` is the one that is most open.
+    ``loop`` names the loop that is most open.
     """
     told = []
     if found.mismatch > TOLD_MISMATCH:
@@ -74,18 +74,19 @@ def warnings_of(robot: Any, loop: str, found: Structure) -> list[str]:
         these = f"of {', '.join(joints)} " if joints else ""
         told.append(
             f"{robot.title}: home is a singular pose that the loops do not leave: a motion {these}"
-            f"counts as free ({found.freedoms} degrees of freedom), though the loops hold it "
-            "farther on: make a joint of it fixed, or give another closed pose (home in an SRDF or "
-            "a key frame)"
+            f"counts as free ({found.freedoms} degrees of freedom), although the loops block it "
+            "farther on: make one of its joints fixed, or give another closed pose (home in an "
+            "SRDF or a key frame)"
         )
     if robot.without_limits:
         told.append(
             f"{robot.title}: the reference pose has {'; '.join(map(str, robot.without_limits))}, "
-            "so that these limits are not kept: correct them, or give a closed pose within them "
+            "so these limits are not enforced: correct them, or give a closed pose within them "
             "(home in an SRDF or a key frame)"
         )
     if robot.options["free"] == "keep":
-        # Nothing feels how a round rod has turned; what else is held, hinges cannot replace.
+        # The spin of a round rod has no effect. Other held spins are those that hinges cannot
+        # replace.
         felt = [one for one in robot.locked if one.spin and not is_round(robot.model, one.spin)]
         remedy = "its ball has damping, friction or armature, so that no hinges can replace it"
     else:
@@ -94,39 +95,39 @@ def warnings_of(robot: Any, loop: str, found: Structure) -> list[str]:
     if felt:
         told.append(
             f"{robot.title}: no motor commands these motions, which are held where they are: "
-            f"{'; '.join(map(str, felt))}; a body that would turn keeps its inertia where it is, "
-            f"also off its axis ({remedy})"
+            f"{'; '.join(map(str, felt))}; a body whose spin is held does not spin, even if its "
+            f"inertia is not symmetric about the axis ({remedy})"
         )
     return told
 
 
 def _if_exact(model: Any, found: Structure) -> str:
-    """Return what follows if the numbers are not rounded, where that cannot be told."""
+    """Return what holds if the numbers are exact, if that cannot be excluded."""
     exact = found.exact
     if exact is None:
         return ""
     free, held = _moving(found), ~_moving(exact)
     joints = _names(model, free & held)
     remedy = (
-        f"make {', '.join(joints)} fixed, which cannot move then"
+        f"make {', '.join(joints)} fixed, because they cannot move then"
         if joints
-        else f"hold its motions by longer levers, by {WEAK:.0e} of the strongest and more"
+        else f"make the levers longer, until they hold with {WEAK:.0e} of the strongest"
     )
     return (
         f"; but if its numbers are exact, it has {exact.freedoms} instead of {found.freedoms} "
-        f"degrees of freedom, for the loops hold the others, by {exact.kept:.1g} of the strongest: "
-        f"{remedy}"
+        f"degrees of freedom, because the loops block the others, with {exact.kept:.1g} of the "
+        f"strongest: {remedy}"
     )
 
 
 def _stuck(model: Any, found: Structure) -> list[str]:
-    """Return the joints that seem to move, and do not."""
+    """Return the joints whose motion counts as free, and that no pose has moved."""
     ways = [np.abs(pin.difference(model, found.home, pose)) for pose in found.poses]
     return _names(model, _moving(found) & (np.max(ways, axis=0) < MOVES))
 
 
 def _moving(found: Structure) -> Any:
-    """Return which velocities take part in a motion, at any pose, (nv,)."""
+    """Return whether each velocity takes part in a motion at any pose, (nv,)."""
     return np.max([np.linalg.norm(basis, axis=1) for basis in found.motions], axis=0) > MOVES
 
 

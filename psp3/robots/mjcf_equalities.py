@@ -1,16 +1,14 @@
-"""What holds the bodies of an exported robot together, and what drives them, in MuJoCo's words.
+"""Write the closures and motors of an exported robot in MuJoCo's terms.
 
-* A closure becomes a weld (6D) or a connect (3D) between two sites; a hinge two connects, at two
-  points of its axis.
-* A coupling becomes a joint equality with its polynomial, and a joint that is held one with a
-  constant.
-* A ball whose spin is held stays free in MuJoCo. That is the same robot if what spins is a body
-  of revolution about the axis of the spin, as a rod between two balls: nothing else feels how it
-  has turned. Anything else is refused.
-* A motor on a tendon becomes a fixed tendon with a motor.
+* A closure becomes a weld (6D) or a connect (3D) between two sites. A hinge becomes two connects,
+at two points of its axis. * A coupling becomes a joint equality with its polynomial, and a held
+joint becomes one with a constant. * A ball joint whose spin is held can spin in MuJoCo. That is the
+same robot if the spinning body is a body of revolution about the axis of the spin, such as a rod
+between two balls, because the spin then has no effect. Any other held spin is refused. * A motor on
+a tendon becomes a fixed tendon with a motor.
 
-Sites, not bodies, are what is joined: their places do not depend on the configuration in which
-MuJoCo compiles the model.
+Equalities join sites, not bodies, because the places of sites do not depend on the configuration in
+which MuJoCo compiles the model.
 """
 
 from __future__ import annotations
@@ -29,20 +27,22 @@ from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from psp3.robots.simple_joints import is_round
 
 HINGE_SHARE = 0.5
-"""Distance of the two points of a hinge, in mean distances of its bodies' joints to it."""
+"""Distance between the two points of a hinge, relative to the mean distance of its bodies' joints
+from it.
+"""
 
 Text = Callable[[Any], str]
 
 
 def check_exportable(robot: ClosedLoopRobot) -> None:
-    """Raise :class:`InvalidValue` if what is held of a robot cannot be written for MuJoCo."""
+    """Raise :class:`InvalidValue` if held motions of a robot cannot be written for MuJoCo."""
     for held in robot.locked:
         if held.spin is not None and not _spins_freely(robot, held):
             raise InvalidValue(
                 "robot",
                 robot.title,
-                f"one of which what spins is a body of revolution, and moves nothing else: "
-                f"{held} is held, and MuJoCo has no words for that",
+                "one whose spinning body is one of revolution and moves nothing else: "
+                f"{held} is held, which MuJoCo cannot represent",
             )
 
 
@@ -62,7 +62,7 @@ def add_equalities(
     hard: dict[str, str],
     text: Text,
 ) -> None:
-    """Write closures, hinges, couplings and joints that are held.
+    """Write closures, hinges, couplings and held joints.
 
     ``hard`` holds the attributes of an equality, ``text`` writes numbers.
     """
@@ -102,7 +102,8 @@ def add_equalities(
 def _points(robot: ClosedLoopRobot, hinge: Hinge) -> Iterator[tuple[tuple[int, pin.SE3], ...]]:
     """Yield two points of a hinge's axis on both of its bodies.
 
-    As far apart as the bodies are large, so that MuJoCo weighs turning and sliding alike.
+    Their distance is about the size of the bodies, so that MuJoCo gives rotation and translation
+    equal weight.
     """
     sides = (
         (hinge.joint1_id, hinge.joint1_placement),
@@ -140,7 +141,7 @@ def add_motors(
 
 
 class _Sites:
-    """Sites of the bodies, made where there is none yet."""
+    """Sites of the bodies, created on demand."""
 
     def __init__(self, at_joint: dict[int, ET.Element], text: Text) -> None:
         self.at_joint, self.text, self.count = at_joint, text, 0

@@ -1,18 +1,18 @@
 r"""Export of a robot to MJCF, the model format of MuJoCo.
 
-The URDF stays the source: an MJCF is written from the robot as it is in memory, and read by MuJoCo,
-or by Pinocchio again.
+The URDF remains the source. The MJCF is written from the robot in memory, for MuJoCo or Pinocchio
+to read.
 
-* A joint becomes hinges, slides and balls on one body. Where both engines have the same joint, name
-  and coordinate are the same; :func:`mujoco_state` translates the others.
-* Closures become equalities, see :mod:`psp3.robots.mjcf_equalities`. MuJoCo's constraints are
-  springs; :data:`HARD` makes them as stiff as the time step allows. How far that is from rigid is
-  measured in ``docs/engines.md``.
-* A body without mass, as between the two hinges of a universal joint, is joined with the one that
-  it carries, because MuJoCo moves no body without mass. Frames and visuals on it are left out, as
-  are meshes and limits of velocity.
-* An inertia that no rigid body can have is refused by MuJoCo. On a body that never turns it has no
-  effect, so another one is written there; anywhere else it is an error.
+* A joint becomes hinges, slides and balls on one body. If both engines have the same joint, its
+name and coordinate are the same; :func:`mujoco_state` converts the others. * Closures become
+equalities, see :mod:`psp3.robots.mjcf_equalities`. MuJoCo's constraints are
+  springs; :data:`HARD` makes them as stiff as the time step allows. ``docs/engines.md`` has
+  measurements of the remaining compliance.
+* A massless body, such as that between the two hinges of a universal joint, is merged with the body
+that it carries, because MuJoCo cannot move a massless body. Its frames and visuals are left out.
+Meshes and velocity limits are left out, too. * MuJoCo refuses an inertia that no rigid body can
+have. For a body that never rotates the inertia has no effect, so a possible one is written instead.
+For any other body it is an error.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ from psp3.robots.mjcf_equalities import add_equalities, add_motors, check_export
 
 HARD = ((1e-6, 1.0), (0.9999, 0.9999, 0.001, 0.5, 2.0))
 """``solref`` and ``solimp`` of closures and of the ends of joints: a time constant that MuJoCo
-raises to two time steps, its smallest stable one, critically damped, and the largest impedance that
-it takes.
+raises to two time steps, its smallest stable value; critical damping; and the largest impedance
+that it accepts.
 """
 
 OPTION = {
@@ -45,22 +45,22 @@ OPTION = {
     "tolerance": "1e-12",
     "jacobian": "dense",
 }
-"""Settings of MuJoCo's solver. Its other integrators are of first order; with closures only,
-Newton's method takes one iteration.
+"""Settings of MuJoCo's solver. Its other integrators are of first order. With closures only,
+Newton's method needs one iteration.
 """
 
 LEAST = 1e-14
-"""Smallest mass [kg] and moment of inertia [kg m²] that is written; MuJoCo refuses what is below
+"""Smallest mass [kg] and moment of inertia [kg m²] that is written; MuJoCo refuses values below
 1e-15.
 """
 
 ROUNDING = 1e-12
-"""Part of the largest moment by which a triangle inequality may be off through rounding; so much is
-put right on any body.
+"""Share of the largest moment by which rounding may violate a triangle inequality; such a violation
+is corrected on any body.
 """
 
 UNLIMITED = 1e10
-"""Limits beyond this are none."""
+"""A limit beyond this is no limit."""
 
 
 class _Motion(NamedTuple):
@@ -71,15 +71,15 @@ class _Motion(NamedTuple):
     anchor: Array
     limits: tuple[float, float]
     forces: dict[str, float]
-    """Armature, damping, dry friction and spring, by MuJoCo's names; what is zero is left out."""
+    """Armature, damping, dry friction and spring, by MuJoCo's names; zeros are left out."""
 
 
 class _Body(NamedTuple):
     """A body of MuJoCo.
 
-    ``joint`` is the joint of Pinocchio whose frame is the body's, ``parent`` a place in the list of
-    bodies, ``joints`` holds all joints that move it, each with its frame in the body in the neutral
-    configuration, and ``turns`` says whether its orientation can change.
+    ``joint`` is the Pinocchio joint whose frame is that of the body, and ``parent`` is an index in
+    the list of bodies. ``joints`` holds all joints that move it, each with its frame in the body in
+    the neutral configuration. ``turns`` tells whether its orientation can change.
     """
 
     name: str
@@ -93,10 +93,10 @@ class _Body(NamedTuple):
 def to_mjcf(robot: ClosedLoopRobot) -> str:
     """Return a robot as an MJCF document.
 
-    Gravity, masses, joints with limits, armature, damping, friction and springs, closures,
-    couplings, joints that are held, a motor on every actuated joint with the model's effort limit
-    (none where that is not positive) or tendon, a site for every frame, primitive shapes of the
-    visual model, and the keyframe ``home`` at ``robot.q0``.
+    The document contains gravity; masses; joints with limits, armature, damping, friction and
+    springs; closures, couplings and held joints; a motor on every actuated joint or tendon, with
+    the model's effort limit if it is positive; a site for every frame; primitive shapes of the
+    visual model; and the keyframe ``home`` at ``robot.q0``.
 
     Parameters
     ----------
@@ -106,18 +106,18 @@ def to_mjcf(robot: ClosedLoopRobot) -> str:
     Returns
     -------
     str
-        The document, with all numbers to the last digit. Bodies come in depth-first order.
+        The document, with all digits of the numbers. Bodies are in depth-first order.
 
     Raises
     ------
     UnphysicalInertia
-        If a body that turns has a moment of inertia that exceeds the sum of the other two.
+        If a body that rotates has a moment of inertia greater than the sum of the other two.
     MasslessBody
-        If a body without mass carries a closure, no other body or more than one.
+        If a massless body carries a closure, or does not carry exactly one other body.
     UnexportableJoint
         If a joint is helical, is a ball with armature, or has too many degrees of freedom.
     InvalidValue
-        If the spin of a ball is held whose body is not one of revolution about it.
+        If the spin of a ball joint is held whose body is not a body of revolution about it.
     """
     checked_robot(robot)
     model = robot.model
@@ -127,13 +127,13 @@ def to_mjcf(robot: ClosedLoopRobot) -> str:
     ET.SubElement(root, "compiler", angle="radian", autolimits="true", balanceinertia="false")
     option = ET.SubElement(root, "option", {"gravity": _text(model.gravity.linear)} | OPTION)
     ET.SubElement(option, "flag", contact="disable")
-    # Shapes are looked at only: they touch nothing and weigh nothing.
+    # Shapes are only for display: they have no contacts and no mass.
     ET.SubElement(
         ET.SubElement(root, "default"), "geom", contype="0", conaffinity="0", group="1", density="0"
     )
     elements: list[ET.Element] = [ET.SubElement(root, "worldbody")]
     for body in bodies:
-        # A body that floats is the world's own: no other may have a free joint in MuJoCo.
+        # A floating body must be a child of the world: MuJoCo allows free joints only there.
         floats = _floating(model, body)
         elements.append(_body_element(robot, body, elements[0 if floats else body.parent + 1]))
     at_joint = dict(zip((body.joint for body in bodies), elements[1:], strict=True))
@@ -154,9 +154,10 @@ def mujoco_state(
 ) -> tuple[Array, Array]:
     """Return a state in the coordinates of MuJoCo, for the model that :func:`to_mjcf` writes.
 
-    Bodies may come in another order; quaternions have their real part first; what turns without end
-    is an angle, not a cosine and a sine; a free body has its linear velocity in the axes of its
-    parent, not in its own, and is counted from the world if that is its parent.
+    The two engines differ as follows. MuJoCo's bodies may be in another order. Its quaternions have
+    the real part first. A joint of unlimited angle has an angle, not a cosine and a sine. The
+    linear velocity of a free body is in the axes of its parent, not in its own, and its position is
+    relative to the world if that is its parent.
 
     Parameters
     ----------
@@ -187,7 +188,7 @@ def mujoco_state(
             x = position[joint.idx_q : joint.idx_q + joint.nq]
             rates = velocity[joint.idx_v : joint.idx_v + joint.nv]
             if _floating(model, body):
-                # Counted from the world, not from where the body stands in the neutral pose.
+                # Relative to the world, not to the body's place in the neutral pose.
                 x = pin.SE3ToXYZQUAT(model.jointPlacements[number] * pin.XYZQUATToSE3(x))
             coordinates = _coordinates(np.asarray(x), rates, frame.rotation)
             qpos.append(coordinates[0])
@@ -196,8 +197,8 @@ def mujoco_state(
 
 
 def _coordinates(q: Array, v: Array, frame: Array) -> tuple[Array, Array]:
-    # MuJoCo turns a ball about the axes of the body, which are those of the joint turned by the
-    # frame.
+    # MuJoCo rotates a ball joint about the axes of the body, which are those of the joint rotated
+    # by the frame.
     match q.size, v.size:
         case 7, 6:
             rotation = pin.Quaternion(q[3:]).toRotationMatrix()
@@ -230,7 +231,7 @@ def _tree(robot: ClosedLoopRobot) -> list[_Body]:
         for joint in (closure.joint1_id, closure.joint2_id)
     }
     bodies = [_Body(_body_name(model, 0), 0, -1, pin.SE3.Identity(), [], False)]
-    # What floats stands beside the base, and so comes after all that the base carries.
+    # Floating bodies are siblings of the base, so they come after all that the base carries.
     roots = sorted(
         children[0], key=lambda joint: _is_free(model, joint) and _has_mass(model, joint)
     )
@@ -247,13 +248,13 @@ def _tree(robot: ClosedLoopRobot) -> list[_Body]:
         if freedom > 6:
             raise UnexportableJoint(
                 model.names[joint],
-                f"up to the next body with mass there are {freedom} degrees of freedom, not 6 at "
-                "most",
+                f"up to the next body with mass there are {freedom} degrees of freedom, more "
+                "than 6",
             )
         placement, joints = pin.SE3.Identity(), []
         for number in reversed(chain):
             joints.append((number, placement.inverse()))
-            # A joint composed of others has places between these, which are no part of its own
+            # A composite joint has placements between its parts, which are not in its own
             # placement.
             placement = model.jointPlacements[number] * _neutral(model, number).M * placement
         turns = bodies[parent].turns or any(
@@ -285,7 +286,7 @@ def _has_mass(model: pin.Model, joint: int) -> bool:
 def _neutral(model: pin.Model, number: int) -> Any:
     """Return what Pinocchio computes of a joint in the neutral configuration.
 
-    Its displacement M and its motion subspace S.
+    These are its displacement M and its motion subspace S.
     """
     data = model.joints[number].createData()
     model.joints[number].calc(data, pin.neutral(model))
@@ -295,7 +296,7 @@ def _neutral(model: pin.Model, number: int) -> Any:
 def _subspace(model: pin.Model, number: int) -> Array:
     """Motion subspace of a joint in the neutral configuration, (6, nv).
 
-    Linear above angular, in the axes behind the joint.
+    The linear part is above the angular part, in the axes after the joint.
     """
     return np.array(_neutral(model, number).S).reshape(6, -1)
 
@@ -303,14 +304,14 @@ def _subspace(model: pin.Model, number: int) -> Array:
 def _motions(robot: ClosedLoopRobot, number: int, frame: pin.SE3) -> Iterator[_Motion]:
     """Yield the joints of MuJoCo that make up a joint of Pinocchio, in the order in which they act.
 
-    A joint is a chain of screws, each seen from the end of the chain, or ends in a ball; the robot
-    has no others.
+    A joint is a chain of screws, each in the axes at the end of the chain, or ends in a ball. The
+    robot has no other joints.
     """
     model, anchor = robot.model, frame.translation
     joint = model.joints[number]
     if "Planar" in joint.shortname():
         raise UnexportableJoint(
-            str(model.names[number]), "it is planar, of which the angle is a cosine and a sine"
+            str(model.names[number]), "it is planar, and its angle is a cosine and a sine"
         )
     ball = joint.nq > joint.nv and joint.nv >= 3
     if ball and model.armature[joint.idx_v : joint.idx_v + joint.nv].any():
@@ -320,7 +321,8 @@ def _motions(robot: ClosedLoopRobot, number: int, frame: pin.SE3) -> Iterator[_M
         columns.reshape(-1, 2, 3)[: joint.nv - 3 if ball else joint.nv]
     ):
         limits = (-np.inf, np.inf)
-        # The coordinates of what turns without end are a cosine and a sine, and its limits theirs.
+        # The coordinates of a joint of unlimited angle are a cosine and a sine, and its limits are
+        # theirs.
         if joint.nq == joint.nv or ball:
             limits = (
                 float(model.lowerPositionLimit[joint.idx_q + k]),
@@ -342,12 +344,12 @@ def _motions(robot: ClosedLoopRobot, number: int, frame: pin.SE3) -> Iterator[_M
                 forces,
             )
     if ball:
-        # MuJoCo brakes the three directions of a ball alike.
+        # MuJoCo has the same damping and friction for all three axes of a ball joint.
         forces = _forces(robot, number, joint.idx_v + joint.nv - 3)
         for other in range(joint.idx_v + joint.nv - 2, joint.idx_v + joint.nv):
             if _forces(robot, number, other) != forces:
                 raise UnexportableJoint(
-                    str(model.names[number]), "it is a ball that its directions brake unequally"
+                    str(model.names[number]), "it is a ball with unequal damping or friction"
                 )
         yield _Motion("ball", np.zeros(3), anchor, (-np.inf, np.inf), forces)
 
@@ -368,7 +370,7 @@ def _forces(robot: ClosedLoopRobot, number: int, velocity: int) -> dict[str, flo
 
 def _body_name(model: pin.Model, joint: int) -> str:
     for frame in model.frames:
-        # The world of an MJCF is no body of it.
+        # The world is not a body element of an MJCF.
         is_world = joint == 0 and frame.name == "world"
         if frame.parentJoint == joint and frame.type == pin.FrameType.BODY and not is_world:
             return str(frame.name)
@@ -382,7 +384,7 @@ def _body_name(model: pin.Model, joint: int) -> str:
 
 
 def _text(numbers: ArrayLike) -> str:
-    """Numbers as they are read back to the last bit, the sign of zero left out."""
+    """Return numbers as text that preserves all bits, except for the sign of zero."""
     return " ".join(
         repr(float(number) + 0.0).removesuffix(".0")
         for number in np.asarray(numbers, dtype=float).ravel()
@@ -406,7 +408,7 @@ def _body_element(robot: ClosedLoopRobot, body: _Body, parent: ET.Element) -> ET
     element.append(_inertial(body, model.inertias[body.joint]))
     if _floating(model, body):
         (number, frame) = body.joints[0]
-        list(_motions(robot, number, frame))  # refuses what MuJoCo cannot move
+        list(_motions(robot, number, frame))  # refuses bodies that MuJoCo cannot move
         ET.SubElement(element, "freejoint", name=str(model.names[number]))
         return element
     for number, frame in body.joints:
@@ -432,7 +434,7 @@ def _body_element(robot: ClosedLoopRobot, body: _Body, parent: ET.Element) -> ET
 
 
 def _effort(model: pin.Model, name: str) -> float | None:
-    """Effort limit of an actuated joint, None where the model has none."""
+    """Return the effort limit of an actuated joint; None if the model has none."""
     limit = float(model.upperEffortLimit[model.joints[model.getJointId(name)].idx_v])
     return limit if 0.0 < limit < UNLIMITED else None
 
@@ -461,9 +463,9 @@ def _inertial(body: _Body, inertia: pin.Inertia) -> ET.Element:
 
 
 def _add_frames(model: pin.Model, at_joint: dict[int, ET.Element]) -> None:
-    """Write every frame as a site, but for bodies and joints.
+    """Write every frame as a site, except those of bodies and joints.
 
-    Nor is the joint behind a link that is fixed.
+    The frame of a fixed joint before a link is also left out.
     """
     taken = {element.get("name") for element in at_joint.values()}
     for frame in model.frames:
@@ -497,9 +499,9 @@ def _add_visuals(robot: ClosedLoopRobot, at_joint: dict[int, ET.Element]) -> Non
 
 
 def _size(shape: Any) -> ArrayLike | None:
-    """Sizes of a primitive shape as MuJoCo has them, halves where others have wholes.
+    """Return the sizes of a primitive shape for MuJoCo, which uses half lengths.
 
-    None for any other.
+    Return None for any other shape.
     """
     match type(shape).__name__:
         case "Box":

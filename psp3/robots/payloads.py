@@ -1,6 +1,6 @@
-"""Payloads: a body fixed to one of a robot's frames.
+"""Payloads: a body that is fixed to one of a robot's frames.
 
-The plant carries it, and the controller need not know of it.
+The plant carries it, and the controller need not know about it.
 """
 
 from __future__ import annotations
@@ -18,31 +18,31 @@ from psp3.robots.closed_loop_robot import ClosedLoopRobot
 def with_payload(
     robot: ClosedLoopRobot, mass: float, inertia: ArrayLike = (0.0, 0.0, 0.0), frame: str = "tip"
 ) -> ClosedLoopRobot:
-    r"""Return a robot that carries a payload, by the Pinocchio path.
+    r"""Return a robot that carries a payload, as a :class:`psp3.ClosedLoopRobot`.
 
     With :math:`J` the Jacobian of the frame's origin and :math:`J_\omega` that of its angular
     velocity, in base axes, and :math:`R` its rotation,
 
     .. math:: M' = M + m J^T J + J_\omega^T R I R^T J_\omega, \qquad V' = V + m g z,
 
-    and C and G follow. At the star's center of a 3-PSP the closed form has payloads, too: as
+    and C and G follow. In the closed form of the 3-PSP, a payload at the star's center is part of
     ``star_mass`` and ``star_inertia`` of :class:`psp3.Parameters`.
 
     Parameters
     ----------
     robot : ClosedLoopRobot
-        The robot, which stays as it is.
+        The robot, which is not changed.
     mass : float
         Mass m of the payload, at the frame's origin [kg].
     inertia : (3,) array_like
         Its moments of inertia I about the frame's origin, along the frame's axes [kg m²].
     frame : str
-        What it is fixed to.
+        The frame to which it is fixed.
 
     Returns
     -------
     ClosedLoopRobot
-        For the argument of a plant: ``RungeKutta(with_payload(robot, 2.0))``.
+        The robot for a plant: ``RungeKutta(with_payload(robot, 2.0))``.
 
     Raises
     ------

@@ -9,7 +9,7 @@ import pinocchio as pin
 
 
 class PlainClosure(NamedTuple):
-    """What a constraint model of Pinocchio is made of."""
+    """The contents of a Pinocchio constraint model."""
 
     name: str
     kind: Any
@@ -17,7 +17,7 @@ class PlainClosure(NamedTuple):
     placements: tuple[pin.SE3, pin.SE3]
     axes: Any
     gains: tuple[Any, Any]
-    """Baumgarte's gains, of the position and of the velocity."""
+    """Baumgarte gains for position and velocity."""
 
 
 def plain(constraint_models: Iterable[Any]) -> list[PlainClosure]:
@@ -42,14 +42,14 @@ def plain(constraint_models: Iterable[Any]) -> list[PlainClosure]:
 
 
 def constraints(model: pin.Model, closures: Iterable[PlainClosure]) -> Any:
-    """Return loop closures as Pinocchio takes them.
+    """Return loop closures as Pinocchio constraint models.
 
     Parameters
     ----------
     model : pinocchio.Model
         The tree.
     closures : iterable of PlainClosure
-        What :func:`plain` returned.
+        The result of :func:`plain`.
 
     Returns
     -------

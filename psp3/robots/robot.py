@@ -1,4 +1,4 @@
-"""What motions, controllers, plants and pictures need of a robot: positions in, forces out."""
+"""The interface of a robot for motions, controllers, plants and pictures."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ from psp3.robots.learning_inputs import LearningInputs
 class Robot(DynamicsModel, Protocol):
     """A robot in the coordinates of its n actuated joints.
 
-    Where coordinates and motors are not the same, positions are (..., p), speeds, accelerations and
-    forces along the coordinates (..., n), and forces of the motors (..., m).
+    If coordinates and motors are not the same, positions are (..., p); speeds, accelerations and
+    forces along the coordinates are (..., n); and forces of the motors are (..., m).
 
-    :class:`psp3.ClosedLoopRobot` is one for any tree with loops, :class:`psp3.PSP3` one in closed
-    form. What is asked of a robot here, every robot can answer; nothing that takes a ``Robot`` asks
-    which one it is.
+    :class:`psp3.ClosedLoopRobot` implements it for any tree with loops, and :class:`psp3.PSP3` in
+    closed form. Every robot has all of these members, and code that takes a ``Robot`` does not
+    check its class.
     """
 
     model: pin.Model
-    """The tree, as Pinocchio holds it."""
+    """The tree as a Pinocchio model."""
     visual_model: pin.GeometryModel
-    """What the robot looks like."""
+    """The shapes of the robot."""
     constraint_models: Sequence[Any]
     """The loop closures."""
     actuated: tuple[str, ...]
@@ -48,11 +48,11 @@ class Robot(DynamicsModel, Protocol):
     q0: Array
     """Reference configuration, (nq,)."""
     urdf: Path | None
-    """The URDF it was loaded from, if it was."""
+    """The URDF it was loaded from, if any."""
     srdf: Path | None
     """The SRDF it was loaded with."""
     has_inverse_of_tip: bool
-    """Whether :meth:`motion_of_tip` can be asked for."""
+    """Whether :meth:`motion_of_tip` is available."""
 
     @property
     def reference(self) -> Array:
@@ -66,7 +66,7 @@ class Robot(DynamicsModel, Protocol):
 
     @property
     def commanded(self) -> int:
-        """How many coordinates, the first ones, the motors command; the others follow."""
+        """Number of coordinates that the motors command; these are the first ones."""
         ...
 
     @property
@@ -76,7 +76,7 @@ class Robot(DynamicsModel, Protocol):
 
     @property
     def title(self) -> str:
-        """Name of the robot where it is shown."""
+        """Name of the robot in titles."""
         ...
 
     @property
@@ -91,20 +91,20 @@ class Robot(DynamicsModel, Protocol):
 
     @property
     def compiled_steps(self) -> Callable[[int, Any], Any]:
-        """How to make a compiled plant from a number of steps and drives."""
+        """Function that creates a compiled plant from a number of steps and drives."""
         ...
 
     @property
     def learning_inputs(self) -> LearningInputs:
-        """What M, C and G depend on, where they are learned."""
+        """The inputs of learned M, C and G."""
         ...
 
     def compiled_table(self) -> NamedTuple | None:
-        """Return the robot as compiled loops take it, or None; a new memory in every call."""
+        """Return the robot's table for compiled loops, or None; each call creates a new memory."""
         ...
 
     def last_pose(self) -> LastPose | None:
-        """Return a memory of the caller's last pose, to be given as ``guess``."""
+        """Return a memory of the caller's last pose, for the argument ``guess``."""
         ...
 
     def configuration(
@@ -122,11 +122,11 @@ class Robot(DynamicsModel, Protocol):
         ...
 
     def drift(self, q: Array, v: Array) -> Array:
-        """Return the accelerations (nv,) of all joints while the coordinates move uniformly."""
+        """Return the accelerations (nv,) of all joints at constant speeds of the coordinates."""
         ...
 
     def tip(self, positions: ArrayLike) -> Array:
-        """Return the tip in base axes, (..., 3) [m]; NaN of a robot that has none."""
+        """Return the tip in base axes, (..., 3) [m]; NaN if the robot has none."""
         ...
 
     def motion_of_tip(
@@ -144,7 +144,7 @@ class Robot(DynamicsModel, Protocol):
         ...
 
     def drives_of_coordinates(self, drive: Drive | Sequence[Drive]) -> Driven:
-        """Return drives of motors, and joints' dry friction, as the coordinates feel them."""
+        """Return drives of motors, and joints' dry friction, as they act on the coordinates."""
         ...
 
     def allocated_forces(self, positions: ArrayLike, forces: ArrayLike) -> Array:

@@ -1,8 +1,8 @@
 """Compare a robot with what MuJoCo reads from the same file.
 
-An MJCF file it compiles, see :mod:`psp3.description.mujoco_opinion`. A URDF it reads as a tree:
-masses, mass matrix and bias forces of that are compared joint by joint, at a few poses away from
-the zero pose; shapes are left out, and with them what only shapes need.
+MuJoCo compiles an MJCF file, see :mod:`psp3.description.mujoco_opinion`. It reads a URDF as a tree,
+and the masses, mass matrix and bias forces of the tree are compared joint by joint, at a few poses
+away from the zero pose. Shapes and everything that only shapes need are left out.
 """
 
 from __future__ import annotations
@@ -21,25 +21,25 @@ from psp3.errors import MissingPackage
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 POSES = 3
-"""So many poses are compared."""
+"""Number of poses that are compared."""
 
 BOUND = 2e-15
-"""Mass and inertia that MuJoCo gives to a body that has none [kg, kg m²]: it takes no less."""
+"""Mass and inertia of massless bodies in MuJoCo, which accepts no smaller ones [kg, kg m²]."""
 
 LEAST = 1e-7
-"""Less than this is no mass or inertia to speak of [kg, kg m²]; of many bodies at the bound it is
-a share of :data:`AGREEMENT`.
+"""A smaller mass or inertia is negligible [kg, kg m²]. Relative to this, even many bodies with
+:data:`BOUND` are below :data:`AGREEMENT`.
 """
 
 MOST_SHOWN = 3
-"""So many disagreements are told in words."""
+"""The largest number of disagreements in a message."""
 
 
 class Opinion(NamedTuple):
-    """What MuJoCo says about a robot."""
+    """Result of the comparison with MuJoCo."""
 
     summary: str
-    """In a few words; empty of a robot that is of no file that MuJoCo reads."""
+    """A summary; empty if MuJoCo cannot read the robot's file."""
     disagreements: tuple[str, ...]
 
 
@@ -54,7 +54,7 @@ def mujoco_opinion(robot: ClosedLoopRobot) -> Opinion:
     Returns
     -------
     Opinion
-        How well both agree, that MuJoCo is not installed, or what they disagree about.
+        The agreement of both, their disagreements, or a note that MuJoCo is not installed.
     """
     if robot.mjcf is None and robot.urdf is None:
         return Opinion("", ())
@@ -105,14 +105,14 @@ def without_shapes(path: Path) -> str:
     if compiler is None:
         compiler = ElementTree.SubElement(extension, "compiler")
     compiler.set("fusestatic", "false")
-    # Bodies without mass between two joints are nothing to us, and an error to MuJoCo.
+    # Massless bodies between two joints are allowed in this package, but an error in MuJoCo.
     for bound in ("boundmass", "boundinertia"):
         compiler.set(bound, compiler.get(bound, str(BOUND)))
     return ElementTree.tostring(root, encoding="unicode")
 
 
 class _Compared(NamedTuple):
-    """One number as two readers have it."""
+    """A number as both readers have it."""
 
     what: str
     joint: str
@@ -135,9 +135,9 @@ class _Joint(NamedTuple):
     ours: int
     """Its number in Pinocchio's model."""
     body: int
-    """What it moves in MuJoCo's."""
+    """The body that it moves in MuJoCo's model."""
     velocity: int
-    """Where its speed is in MuJoCo's."""
+    """Index of its speed in MuJoCo's model."""
 
 
 def _common_joints(model: pin.Model, engine: Any) -> list[_Joint]:
@@ -157,7 +157,7 @@ def _common_joints(model: pin.Model, engine: Any) -> list[_Joint]:
 
 
 def _masses(model: pin.Model, engine: Any, joints: list[_Joint]) -> list[_Compared]:
-    """Compare what each joint carries, all that hangs on it included."""
+    """Compare the total mass that each joint carries."""
     data = model.createData()
     pin.computeSubtreeMasses(model, data)
     return [
@@ -175,7 +175,7 @@ def _masses(model: pin.Model, engine: Any, joints: list[_Joint]) -> list[_Compar
 def _motions(model: pin.Model, engine: Any, joints: list[_Joint]) -> list[_Compared]:
     """Compare mass matrix and bias forces of the tree at a few poses.
 
-    Joints that only one of them has stand still at zero, where they do not matter to the others.
+    Joints that only one reader has rest at zero, where they do not affect the others.
     """
     import mujoco
 
@@ -202,7 +202,7 @@ def _motions(model: pin.Model, engine: Any, joints: list[_Joint]) -> list[_Compa
                 what = "the mass matrix at"
                 name = joint.name + between
                 found.append(_Compared(what, name, columns[i, k], matrix[i, k], scale))
-            # Beside what an acceleration of one unit needs: many joints carry no weight.
+            # Relative to the forces for a unit acceleration, because many joints carry no weight.
             scale = float(np.abs(forces[i]) + inertias[i])
             found.append(_Compared("gravity and speeds at", joint.name, bias[i], forces[i], scale))
     return found
@@ -216,7 +216,7 @@ def _tree_dynamics(
     way[velocities], v[velocities] = position, speed
     q, rest = pin.integrate(model, pin.neutral(model), way), np.zeros(model.nv)
     weight = pin.rnea(model, data, q, rest, rest).copy()
-    # By columns: Pinocchio's composite bodies are silently wrong for some orders of joints.
+    # Column by column, because Pinocchio's ``crba`` is silently wrong for some orders of joints.
     columns = [pin.rnea(model, data, q, rest, unit) - weight for unit in np.eye(model.nv)]
     matrix = np.array(columns)[np.ix_(velocities, velocities)]
     return matrix, pin.rnea(model, data, q, v, rest)[velocities].copy()

@@ -1,18 +1,19 @@
-"""Simple joints in place of others, so that whatever is a coordinate has a number and a name.
+"""Replace joints by simpler ones, so that each coordinate is a single number with a name.
 
-A ball joint has a quaternion, of which no number is the spin about an axis. Where that spin is to
-be a coordinate, three hinges stand in the ball's place: ``<ball>_swing`` and ``<ball>_tilt``, a
-universal joint, and ``<ball>_spin`` about the axis. In the reference pose the tilt is zero; at a
-right angle swing and spin are the same motion, and the pose is singular.
+A ball joint has a quaternion, and none of its numbers is the spin about an axis. If this spin is to
+be a coordinate, three hinges replace the ball joint: ``<ball>_swing`` and ``<ball>_tilt``, a
+universal joint, and ``<ball>_spin`` about the axis. In the reference pose the tilt is zero. At a
+tilt of 90°, swing and spin are the same motion, and the pose is singular.
 
-A floating base in a loop, as of a robot that stands on a point of its foot, keeps some of its
-motions. So that they have coordinates, slides ``<base>_x``, ``_y`` and ``_z`` and hinges
-``<base>_yaw``, ``_pitch`` and ``_roll`` stand in its place, singular at a pitch of a right angle;
-of a planar base ``_x``, ``_y`` and ``_yaw``. So it is with all that floats but the first.
+A floating base in a loop keeps some of its motions, for example if the robot stands on a point of
+its foot. To give these motions coordinates, slides ``<base>_x``, ``_y`` and ``_z`` and hinges
+``<base>_yaw``, ``_pitch`` and ``_roll`` replace the free joint; they are singular at a pitch of
+90°. A planar base is replaced by ``_x``, ``_y`` and ``_yaw``. The same is done for all floating
+bodies except the first.
 
-An angle that is kept as cosine and sine becomes a plain one where it is a coordinate. A universal
-joint, three sliding directions, or whatever else is a chain of joints in one, becomes that chain,
-``<joint>_1``, ``<joint>_2``, ..., where a part of it is a coordinate or held.
+An angle that is stored as cosine and sine becomes a single number if it is a coordinate. A joint
+that is a chain of joints, such as a universal joint or three sliding directions, becomes that
+chain, ``<joint>_1``, ``<joint>_2``, ..., if a part of it is a coordinate or held.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ from psp3.robots.pickling import constraints, plain
 
 
 class SimpleTree(NamedTuple):
-    """A tree in which simple joints stand for others, and all that numbers its joints."""
+    """A tree in which simple joints replace others, and everything that refers to its joints."""
 
     model: pin.Model
     visual_model: Any
@@ -47,17 +48,17 @@ class SimpleTree(NamedTuple):
 
 
 SYMMETRIC = 1e-6
-"""Share of its largest moment, and of its size, by which a body that spins may be off its axis; the
-axis of a spin is found to 1e-8.
+"""Share of its largest moment, and of its size, by which a spinning body may deviate from a body of
+revolution; the axis of a spin is accurate to 1e-8.
 """
 
 
 SAME_ORIGIN = 1e-12
-"""How far the axes of a chain may miss the origin of its joint [m]."""
+"""Largest distance of the axes of a chain from the origin of its joint [m]."""
 
 
 def is_round(model: pin.Model, spin: Spin) -> bool:
-    """Tell whether what spins is a body of revolution, of which nothing feels how it has turned."""
+    """Tell whether the spinning body is a body of revolution, whose spin has no effect."""
     inertia, axis = model.inertias[spin.joint], spin.axis
     across = np.eye(3) - np.outer(axis, axis)
     moments = inertia.inertia
@@ -72,9 +73,9 @@ def is_round(model: pin.Model, spin: Spin) -> bool:
 
 
 def can_spin(model: pin.Model, spin: Spin) -> bool:
-    """Tell whether a spin gets a coordinate: hinges move as the ball, and something feels it.
+    """Tell whether a spin gets a coordinate: hinges can replace the ball, and it has an effect.
 
-    Hinges do not where the ball has damping, friction or inertia.
+    Hinges cannot replace a ball joint with damping, friction or motor inertia.
     """
     if is_round(model, spin):
         return False
@@ -85,20 +86,20 @@ def can_spin(model: pin.Model, spin: Spin) -> bool:
 
 
 def base_in_loop(model: pin.Model, closures: Sequence[Any]) -> int | None:
-    """Return the joint of a base that a loop contains, or of a second one that floats, or None."""
+    """Return the joint of a base in a loop, or of a second floating base, or None."""
     free = floating_base(model, closures)
     return next((joint.id for joint in bases(model) if free is None or joint.id != free.id), None)
 
 
 def parts_of_base(model: pin.Model, base: int) -> list[str]:
-    """Return the joints that will stand in the place of a base, those of its angles first."""
+    """Return the joints that will replace a base, those of its angles first."""
     name, is_planar = str(model.names[base]), model.joints[base].nq == 4
     parts = ("yaw", "x", "y") if is_planar else ("yaw", "pitch", "roll", "x", "y", "z")
     return [f"{name}_{part}" for part in parts]
 
 
 def of_several(model: pin.Model, speeds: Sequence[int], held: Sequence[int]) -> list[int]:
-    """Return the joints that a coordinate, or what is held, is only a part of."""
+    """Return the joints of which a coordinate or a held motion is only a part."""
     found = []
     for joint in list(model.joints)[1:]:
         own = range(joint.idx_v, joint.idx_v + joint.nv)
@@ -112,23 +113,23 @@ def of_several(model: pin.Model, speeds: Sequence[int], held: Sequence[int]) -> 
 def with_simple_joints(
     tree: SimpleTree, spins: Sequence[Spin], base: int | None, chains: Sequence[int] = ()
 ) -> SimpleTree:
-    """Return a tree with simple joints in place of the balls that spin, of a base and of chains.
+    """Return a tree with simple joints instead of spinning balls, a base and chains.
 
     Parameters
     ----------
     tree : SimpleTree
-        The tree of a robot, whose home must be given.
+        The tree of a robot, with its home.
     spins : sequence of Spin
-        The balls, each with its axis, and with the quaternion of the reference pose.
+        The ball joints, each with its axis and the quaternion of the reference pose.
     base : int or None
         The joint of the base.
     chains : sequence of int
-        Joints that are chains of others, or whose angle is kept as cosine and sine.
+        Joints that are chains of others, or whose angle is stored as cosine and sine.
 
     Raises
     ------
     UnsupportedJoint
-        If the joints of a chain are apart from each other.
+        If the joints of a chain do not have the same origin.
     """
     model, home = tree.model, tree.home
     assert home is not None
@@ -165,7 +166,7 @@ def with_simple_joints(
 
 
 def _of_base(model: pin.Model, base: int, home: Array) -> list[tuple[str, Any, float]]:
-    """Return names, joints and coordinates of what stands in the place of a base."""
+    """Return names, joints and coordinates of the replacement of a base."""
     joint = model.joints[base]
     x = home[joint.idx_q : joint.idx_q + joint.nq]
     if joint.nq == 4:
@@ -213,7 +214,7 @@ def _along(name: str, joint: Any, screw: Array) -> Any:
 
 
 def _as_before(model: pin.Model, old: int, new: pin.Model, first: int) -> None:
-    """Give the joints of a chain what the one joint had for each of its degrees of freedom."""
+    """Copy limits, damping and friction of each degree of freedom of a joint to its chain."""
     before, after = model.joints[old], new.joints[first]
     for attributes, places, nows, count in (
         (PER_DEGREE_OF_FREEDOM, before.idx_v, after.idx_v, before.nv),
@@ -225,7 +226,7 @@ def _as_before(model: pin.Model, old: int, new: pin.Model, first: int) -> None:
 
 
 def _of_ball(spin: Spin) -> list[tuple[str, Any, float]]:
-    """Return names, joints and angles of what stands in the place of a ball."""
+    """Return names, joints and angles of the replacement of a ball joint."""
     axes, angles = _axes(spin)
     kinds = (pin.JointModelRevoluteUnaligned(axis) for axis in axes)
     return list(zip(("swing", "tilt", "spin"), kinds, map(float, angles), strict=True))

@@ -1,4 +1,4 @@
-"""Compiled Runge–Kutta steps of any tree with loops: free, or with drives from event to event."""
+"""Compiled Runge–Kutta steps of any tree with loops: without drives, or from event to event."""
 
 from __future__ import annotations
 
@@ -40,22 +40,22 @@ from psp3.multibody.tree import (
 )
 
 LEAST_LEVER = 1e-200
-"""So that a coordinate whose friction is that of another joint has some where that joint is at a
-dead center, too: what has none counts as slipping.
+"""Smallest lever arm of another joint's friction at a coordinate. At a dead center of that joint
+the friction must not become zero, because a coordinate without friction counts as slipping.
 """
 
 PLANAR_COORDINATES = 4
-"""Of a base that moves in a plane: position, and the cosine and sine of its angle."""
+"""Number of coordinates of a planar base: position, and the cosine and sine of its angle."""
 
 
 class DrivenTables(NamedTuple):
     """A robot with drives, or whose coordinates are not its motors.
 
-    It takes much longer to compile than one without. ``motors`` (nv, m) are what each motor drives,
-    ``rest`` (n,) zeros, ``base`` the coordinates of a floating base, which are the last: 7, in a
-    plane 4, or none. ``dry`` (n,) is the dry friction at the coordinates; ``columns`` (nv, w),
-    ``elsewhere`` (w, 3) and ``follows`` (w,) are drives elsewhere,
-    :class:`psp3.dynamics.motors.Driven`, and ``along`` (n,) is room.
+    It takes much longer to compile than a robot without drives. ``motors`` (nv, m) are the joint
+    velocities that each motor drives; ``rest`` (n,) is zeros; ``base`` is the number of coordinates
+    of a floating base, which come last: 7, or 4 in a plane, or none. ``dry`` (n,) is the dry
+    friction at the coordinates; ``columns`` (nv, w), ``elsewhere`` (w, 3) and ``follows`` (w,) are
+    drives elsewhere, see :class:`psp3.dynamics.motors.Driven`; and ``along`` (n,) is scratch space.
     """
 
     tree: Indices
@@ -100,9 +100,9 @@ def _balance(
 def _add_elsewhere(
     robot: DrivenTables, state: Array, drives: Array, mass: Array, net: Array
 ) -> None:
-    """Add what drives do that are at no coordinate, of a balance whose L and drift are known.
+    """Add the effect of drives elsewhere to a balance whose L and drift are known.
 
-    Their dry friction goes to that of the coordinate that they follow alone.
+    The dry friction of a drive that follows a single coordinate is added to that of the coordinate.
     """
     n, tree, memory, columns = net.size, robot.tree, robot.memory, robot.columns
     nv, p, along = tree[VELOCITIES], tree[POSITIONS], robot.along
@@ -146,8 +146,8 @@ def advance_free(
 ) -> bool:
     """Take Runge–Kutta steps under constant forces (n,), in place, without drives.
 
-    The memory begins with a pose near the state, or the reference. Return whether the state reached
-    is finite and one of the robot's.
+    The memory begins with a pose near the state, or the reference. Return whether the final state
+    is finite and the robot can be in it.
     """
     tree, numbers, memory = robot
     went = runge_kutta(tree, numbers, memory, state, forces, step, steps)
@@ -169,9 +169,9 @@ def _write_rates(robot: DrivenTables, state: Array, rates: Array) -> None:
 
 @compiled
 def _write_rates_in_plane(state: Array, q: int, u: int, rates: Array) -> None:
-    """Write the rates of a planar base's coordinates at q, whose speeds in its own axes are at u.
+    """Write the rates of a planar base's coordinates at q, from its speeds in its own axes at u.
 
-    Cosine and sine are first brought to unit length.
+    Cosine and sine are first normalized.
     """
     size = math.hypot(state[q + 2], state[q + 3])
     c, s = state[q + 2] / size, state[q + 3] / size
@@ -182,9 +182,9 @@ def _write_rates_in_plane(state: Array, q: int, u: int, rates: Array) -> None:
 
 @compiled
 def _write_rates_of_flyer(state: Array, q: int, u: int, rates: Array) -> None:
-    """Write the rates of a floating base's coordinates at q, whose speeds in its axes are at u.
+    """Write the rates of a floating base's coordinates at q, from its speeds in its own axes at u.
 
-    The quaternion (x, y, z, w) is first brought to unit length.
+    The quaternion (x, y, z, w) is first normalized.
     """
     x, y, z, w = state[q + 3], state[q + 4], state[q + 5], state[q + 6]
     size = math.sqrt(x * x + y * y + z * z + w * w)
@@ -234,7 +234,7 @@ def _write_forces(
 
 @allocate.register(Tables)
 def _allocate(robot: Tables, positions: Array, forces: Array, out: Array) -> bool:
-    # They are along the motors' own coordinates.
+    # The forces are along the motors' own coordinates.
     for i in range(forces.size):
         out[i] = forces[i]
     return True
@@ -242,7 +242,7 @@ def _allocate(robot: Tables, positions: Array, forces: Array, out: Array) -> boo
 
 @compiled
 def _write_actuation(robot: DrivenTables, out: Array) -> None:
-    """Write what each motor does along the first coordinates, (k, m), of a pose with its L."""
+    """Write the force of each motor along the first coordinates, (k, m), for a pose with its L."""
     tree, memory, motors = robot.tree, robot.memory, robot.motors
     nv = tree[VELOCITIES]
     k, m = out.shape
@@ -258,7 +258,7 @@ def _write_actuation(robot: DrivenTables, out: Array) -> None:
 def forces_of_all(
     robot: DrivenTables, positions: Array, speeds: Array, accelerations: Array, out: Array
 ) -> bool:
-    """Write the shortest motor forces (m,) of accelerations of all coordinates."""
+    """Write the shortest motor forces (m,) for accelerations of all coordinates."""
     n, tree, numbers, memory = speeds.size, robot.tree, robot.numbers, robot.memory
     along, actuation = np.empty(n), np.empty((n, out.size))
     if not forces_of_motion(tree, numbers, memory, positions, speeds, accelerations, along):
@@ -273,9 +273,9 @@ def forces_of_all(
 def forces_of_first(
     robot: DrivenTables, positions: Array, speeds: Array, accelerations: Array, out: Array
 ) -> bool:
-    """Write the shortest motor forces (m,) of accelerations of the first coordinates (k,).
+    """Write the shortest motor forces (m,) for accelerations of the first coordinates (k,).
 
-    As :func:`psp3.dynamics.motors.partly_linearizing`.
+    The method is that of :func:`psp3.dynamics.motors.partly_linearizing`.
     """
     p, n, k, m = positions.size, speeds.size, accelerations.size, out.size
     tree, numbers, memory, state = robot.tree, robot.numbers, robot.memory, np.empty(p + n)
@@ -287,7 +287,7 @@ def forces_of_first(
         return False
     actuation, made, wanted = np.empty((n, m)), np.empty((k, m)), np.empty(k)
     _write_actuation(robot, actuation)
-    # The room's fourth vector is what is left for accelerations, and the fifth is free.
+    # The room's fourth vector holds the forces for accelerations, and the fifth is free.
     mass, left, column = tree[AT_MASS], tree[AT_ROOM] + 3 * n, tree[AT_ROOM] + 4 * n
     if not factor_positive(memory, mass, n):
         return False
@@ -335,7 +335,7 @@ def _allocate_to_motors(robot: DrivenTables, positions: Array, forces: Array, ou
 
 
 def tables_of_motors(core: Core, motors: Motors, driven: Driven | None = None) -> DrivenTables:
-    """Return a robot whose coordinates are not its motors, or with drives, for compiled loops."""
+    """Return the table of a robot with drives, or whose coordinates are not its motors."""
     tables, rest = core.tables(), np.zeros(len(motors.speeds))
     driven = motors.without_drives() if driven is None else driven
     return DrivenTables(
@@ -348,11 +348,11 @@ def tables_of_motors(core: Core, motors: Motors, driven: Driven | None = None) -
 class CoreSteps:
     """A plant: any tree with loops, compiled.
 
-    Its state are positions and speeds of the coordinates, (p,) and (n,); forces are those of the
-    motors, (m,). A floating base's position and quaternion take classical Runge–Kutta steps like
-    all the rest, and the quaternion is brought to unit length after each, which keeps the order.
-    Dry friction of a joint that is a coordinate or follows one alone, a drive's or its own, can
-    hold it.
+    Its state is positions and speeds of the coordinates, (p,) and (n,); its forces are those of the
+    motors, (m,). A floating base's position and quaternion also take classical Runge–Kutta steps,
+    and the quaternion is normalized after each step, which preserves the order of the method. Dry
+    friction, of the joint itself or of its drive, can hold a joint that is a coordinate or follows
+    a single coordinate.
 
     Parameters
     ----------
@@ -373,7 +373,7 @@ class CoreSteps:
         self._driven = driven = motors.driven(drive_table(drive, len(motors.names)))
         self.drives = driven.coordinates.copy()
         is_elsewhere = driven.follows[driven.elsewhere[:, DRY] > 0.0]
-        # What these are depends on the pose; that there is some does not.
+        # The amount of friction depends on the pose, but not whether there is any.
         self.drives[is_elsewhere[is_elsewhere >= 0], DRY] += LEAST_LEVER
         self._is_driven = (
             bool(self.drives.any()) or bool(driven.follows.size) or not motors.are_coordinates
@@ -387,7 +387,7 @@ class CoreSteps:
             return self._core.tables()
         tables = tables_of_motors(self._core, self._motors, self._driven)
         numbers = tables.numbers.copy()
-        # What can hold a joint at rest is the integrator's business.
+        # The integrator handles friction that can hold a joint at rest.
         for velocity in self._driven.joints:
             numbers[tables.tree[AT_JOINTS] + JOINT_NUMBERS * velocity + FRICTION] = 0.0
         return tables._replace(numbers=numbers)
@@ -395,7 +395,7 @@ class CoreSteps:
     def start(self, positions: Array, speeds: Array) -> None:
         """Put the robot into a state.
 
-        Positions (p,) [m, rad] and speeds (n,) of the coordinates.
+        The state is positions (p,) [m, rad] and speeds (n,) of the coordinates.
         """
         self.robot, self.state = self._tables(), np.concatenate([positions, speeds])
 

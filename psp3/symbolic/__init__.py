@@ -1,7 +1,7 @@
-"""Dynamics and learned controllers as functions of CasADi's symbols, from the kernels' own source.
+"""Dynamics and learned controllers as functions of CasADi symbols, from the kernels' source code.
 
-For optimal control of your own; ``docs/how_to/optimal_control.md`` says how. Needs the extra
-``symbolic``: ``pip install 'psp3[symbolic]'``.
+Use them for your own optimal control; ``docs/how_to/optimal_control.md`` shows how. They need the
+extra ``symbolic``: ``pip install 'psp3[symbolic]'``.
 """
 
 from __future__ import annotations

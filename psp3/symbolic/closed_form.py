@@ -1,4 +1,4 @@
-"""The 3-PSP's closed form as functions of CasADi's symbols: of the nuts' heights alone."""
+"""The 3-PSP's closed form as functions of CasADi symbols for the nut heights."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from psp3.three_psp.stepping import ClosedForm
 
 
 class SymbolicPSP3:
-    """The 3-PSP as ``casadi.Function`` objects of heights (3,), made when they are first asked for.
+    """The 3-PSP as ``casadi.Function`` objects of heights (3,), which are created on demand.
 
-    Loops need not be closed: the closed form does that. Derivatives by the heights are those of
-    CasADi, ``casadi.jacobian``. What comes out is NaN at heights that are no pose of the robot.
+    The closed form closes the loops. ``casadi.jacobian`` gives the derivatives by the heights.
+    Results are NaN at heights that the robot cannot take.
 
     Parameters
     ----------
     robot : PSP3
-        Its parameters are taken as they are now.
+        The robot; its present parameters are used.
 
     Raises
     ------
@@ -49,7 +49,7 @@ class SymbolicPSP3:
         self._accelerations, self._forces = SX.sym("accelerations", 3), SX.sym("forces", 3)
 
     def __getstate__(self) -> dict[str, Any]:
-        # CasADi pickles no symbols; functions of them are made again when they are asked for.
+        # CasADi cannot pickle symbols, so functions are created again on demand.
         return {name: self.__dict__[name] for name in ("robot", "_parameters")}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -60,7 +60,7 @@ class SymbolicPSP3:
         return f"{type(self).__name__}({self.robot.title})"
 
     def _numbers(self, kernel: Any, width: int, *vectors: SX) -> list[Number]:
-        """Return what a kernel writes of one row."""
+        """Return the numbers that a kernel writes for one row."""
         out = piece_with([float("nan")] * width)
         rows = (symbols_in(one) for one in vectors)
         self._interpreter.call(kernel, *rows, self._parameters, out)

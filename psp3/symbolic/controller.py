@@ -1,4 +1,4 @@
-"""The learned computed-torque controller as a function of CasADi's symbols."""
+"""The learned computed-torque controller as a function of CasADi symbols."""
 
 from __future__ import annotations
 
@@ -15,31 +15,31 @@ from psp3.three_psp.stepping import ClosedForm
 
 
 def fuzzy_torque(controller: FuzzyComputedTorque) -> Any:
-    """Return the torque of a learned controller, of any kind, with all that it chooses between.
+    """Return the torque of a learned controller of any kind, with all of its branches.
 
-    Type reduction searches for switch points, and what it finds is a choice among the ends of the
-    rules. So the torque is continuous, and its derivatives jump where a switch point goes to
-    another rule, and at the ends of the trained ranges. Where the exact dynamics take over there,
-    ``outside="crisp"``, the torque itself jumps.
+    Type reduction searches for switch points, and each switch point selects one end of each rule.
+    So the torque is continuous, but its derivatives jump when a switch point moves to another rule,
+    and at the ends of the trained ranges. If the exact dynamics take over outside these ranges
+    (``outside="crisp"``), the torque itself jumps there.
 
     Parameters
     ----------
     controller : FuzzyComputedTorque
-        A trained one. Its rules and gains are taken as they are now, and so are the numbers of the
-        robot whose exact dynamics take over.
+        A trained controller. The function uses its present rules and gains, and the present numbers
+        of the robot whose exact dynamics take over.
 
     Returns
     -------
     casadi.Function
-        Of ``positions``, ``speeds``, ``desired_positions``, ``desired_speeds`` and
-        ``desired_accelerations`` (n,), to ``forces`` (n,) of the motors [N or N m]. Where exact
-        dynamics take over, and they are no closed form, also of ``q`` (nq,): the configuration of
-        the robot at the positions, which closes its loops.
+        A function of ``positions``, ``speeds``, ``desired_positions``, ``desired_speeds`` and
+        ``desired_accelerations`` (n,), to ``forces`` (n,) of the motors [N or N m]. If exact
+        dynamics take over that are not in closed form, it is also a function of ``q`` (nq,), the
+        configuration of the robot at the positions, which closes its loops.
 
     Raises
     ------
     NotTrained
-        If nothing was learned yet.
+        If nothing has been learned yet.
     MissingPackage
         If CasADi is not installed: ``pip install 'psp3[symbolic]'``.
     """
@@ -60,7 +60,7 @@ def fuzzy_torque(controller: FuzzyComputedTorque) -> Any:
 
 
 def _exact(controller: FuzzyComputedTorque) -> tuple[Any, dict[str, SX]]:
-    """Return what takes over outside of the trained range, and what else it is a function of."""
+    """Return the dynamics outside of the trained range, and its additional arguments."""
     if controller.outside == "clamp":
         return kernels.NO_MODEL, {}
     table: Any = controller.robot.compiled_table()
@@ -78,7 +78,7 @@ INPUTS = (
     "desired_speeds",
     "desired_accelerations",
 )
-"""What the torque is a function of."""
+"""The arguments of the torque."""
 
 NOTHING = piece_with([])
-"""What is added to the estimates."""
+"""No terms are added to the estimates."""

@@ -1,13 +1,13 @@
-"""Kernels of the package evaluated on symbols, from their own Python source.
+"""Evaluate kernels of the package on symbols, from their Python source.
 
-A kernel is scalar code: numbers, flat arrays, loops that count. Where all that a test asks is
-known, as what stands in the tables of a robot or a fuzzy system, one way is taken. Where it depends
-on a symbol, both ways are evaluated from the same memory, and what they change or return becomes a
-choice between them, ``if_else`` of CasADi; a loop that may end earlier is followed on both ways as
-well. So the functions that come out are those of the kernels, with their kinks.
+A kernel is scalar code: numbers, flat arrays and counting loops. If the condition of a branch is
+known, for example because it depends only on the tables of a robot or a fuzzy system, one way is
+followed. If it depends on a symbol, both ways are evaluated from the same memory, and CasADi's
+``if_else`` selects between their changes and results. The same is done for a loop that may end
+early. So the resulting functions are those of the kernels, including their kinks.
 
-Some tests only ask whether a pose or a number is one that the kernel can answer for, or whether a
-step can be left out. They are answered once for all by :mod:`psp3.symbolic.guards`.
+Some conditions only check whether the kernel can handle a pose or a number, or whether a step can
+be skipped. :mod:`psp3.symbolic.guards` has fixed answers for them.
 """
 
 from __future__ import annotations
@@ -42,11 +42,11 @@ from psp3.symbolic.numbers import (
 CONSTANTS = {"inf": math.inf, "nan": math.nan, "pi": math.pi}
 
 DEEPEST = 200_000
-"""Calls of Python within one another: a search among n rules follows n ways within one another."""
+"""Python's recursion limit: a search among n rules nests n ways."""
 
 
 class Signal(NamedTuple):
-    """How a statement ends: goes on, leaves a loop or its turn, or returns a value."""
+    """How a statement ends: it continues, leaves a loop or a turn of it, or returns a value."""
 
     kind: str
     value: Any = None
@@ -56,9 +56,9 @@ NEXT, BREAK, CONTINUE = Signal("next"), Signal("break"), Signal("continue")
 
 
 class Split(NamedTuple):
-    """A statement that ends in one way where a condition holds, and else in another.
+    """A statement that ends in one way if a condition is true, and in another way otherwise.
 
-    The memory is as before the two; each comes with what it changes.
+    The memory is as before both ways; each way stores its changes.
     """
 
     condition: SX
@@ -69,7 +69,7 @@ class Split(NamedTuple):
 
 
 class Way(NamedTuple):
-    """Where a condition holds, how something ends, a signal or a split, and what it changes."""
+    """One way under a condition: how it ends, with a signal or a split, and its changes."""
 
     condition: SX
     end: Any
@@ -77,7 +77,7 @@ class Way(NamedTuple):
 
 
 def _ways(way: Way) -> Iterator[Way]:
-    """Yield the ways of a way that splits, from the memory of before all of them."""
+    """Yield the ways of a split way, each starting from the memory before all of them."""
     if not isinstance(way.end, Split):
         yield way
         return
@@ -89,7 +89,7 @@ def _ways(way: Way) -> Iterator[Way]:
 
 
 class Kernel(NamedTuple):
-    """A kernel as its source says: where it stands, its parameters and body, and what it names."""
+    """A parsed kernel: its place, parameters and body, and the names that it uses."""
 
     name: str
     parameters: tuple[str, ...]
@@ -99,7 +99,7 @@ class Kernel(NamedTuple):
 
 @functools.cache
 def _read(function: Any) -> Kernel:
-    """Return the source of a function that was handed over uncompiled."""
+    """Return the source of a function that was passed uncompiled."""
     (definition,) = ast.parse(textwrap.dedent(inspect.getsource(function))).body
     assert isinstance(definition, ast.FunctionDef)
     name = f"{function.__module__}.{function.__name__}"
@@ -129,7 +129,7 @@ class Interpreter:
         self._journal = Journal()
 
     def call(self, kernel: Any, *arguments: Any) -> Any:
-        """Call a kernel, and return what it returns.
+        """Call a kernel, and return its result.
 
         Parameters
         ----------
@@ -142,7 +142,7 @@ class Interpreter:
         Raises
         ------
         TypeError
-            If the number of an entry or of turns of a loop depends on a symbol.
+            If an index or the number of turns of a loop depends on a symbol.
         """
         with _deep():
             return self._call(kernel, arguments)
@@ -160,10 +160,10 @@ class Interpreter:
         self._journal.write(container, index, value)
 
     def both(self, condition: SX, one: Callable[[], Any], other: Callable[[], Any]) -> Any:
-        """Return how two ways from one memory end, and leave it as both leave it.
+        """Return how two ways from one memory end, and merge their changes in the memory.
 
-        Where they end in several ways, ways that end alike become one, so that what follows is
-        evaluated once for each, however many branches came before.
+        Ways that end alike become one, so that the following statements are evaluated once for each
+        kind of end, independent of the number of branches before.
         """
         ways: dict[str, Way] = {}
         for holds, run in ((condition, one), (opposite(condition), other)):
@@ -182,7 +182,7 @@ class Interpreter:
         return rest
 
     def _united(self, one: Way, other: Way) -> Way:
-        """Return two ways that end alike as one."""
+        """Merge two ways that end alike into one."""
         holds = casadi.logic_or(one.condition, other.condition)
         changes = self._journal.merged(one.condition, one.changes, other.changes)
         if one.end.value is None:
@@ -191,7 +191,7 @@ class Interpreter:
         return Way(holds, Signal(one.end.kind, value), changes)
 
     def after(self, signal: Any, proceed: Callable[[Signal], Any]) -> Any:
-        """Return how what follows ends, on each of the ways that a statement may have ended."""
+        """Return how the following statements end, for each way in which one may have ended."""
         if not isinstance(signal, Split):
             return proceed(signal)
 
@@ -218,7 +218,7 @@ class _Scope:
     # Statements
 
     def block(self, body: list[ast.stmt]) -> Any:
-        """Return how statements in a row end."""
+        """Return how a sequence of statements ends."""
         for k, statement in enumerate(body):
             signal = self._statement(statement)
             if signal is NEXT:
@@ -229,7 +229,7 @@ class _Scope:
         return NEXT
 
     def _on(self, rest: list[ast.stmt], signal: Signal) -> Any:
-        """Return how a block ends of which a statement has ended in a way."""
+        """Return how a block ends after one of its statements has ended in a way."""
         return self.block(rest) if signal is NEXT else signal
 
     def _statement(self, node: ast.stmt) -> Any:
@@ -316,11 +316,11 @@ class _Scope:
         return self._left(self._turn(node.body), lambda: self._while(node))
 
     def _turn(self, body: list[ast.stmt]) -> Any:
-        """Return how a turn of a loop ends; ways that both go on with the next turn become one."""
+        """Return how a turn of a loop ends; ways that both go on to the next turn become one."""
         return self._interpreter.after(self.block(body), lambda s: NEXT if s is CONTINUE else s)
 
     def _left(self, signal: Any, others: Callable[[], Any]) -> Any:
-        """Return how a loop ends after a turn: on the ways that have not left it, by its others."""
+        """Return how a loop ends after a turn; ways that have not left it continue."""
 
         def end(signal: Signal) -> Any:
             if signal is NEXT:
@@ -338,7 +338,7 @@ class _Scope:
         return evaluate(self, node)
 
     def _test(self, node: ast.expr) -> Number:
-        """Return whether a test holds: known, a symbol, or as the guards say."""
+        """Return whether a condition is true: known, a symbol, or the guards' answer."""
         value = self.value(node)
         if not is_symbol(value):
             return value
@@ -452,7 +452,7 @@ class _Scope:
 
 @functools.cache
 def _loaded(target: ast.expr) -> ast.expr:
-    """Return the expression that reads what an assignment writes."""
+    """Return the expression that reads the target of an assignment."""
     return ast.parse(ast.unparse(target), mode="eval").body
 
 

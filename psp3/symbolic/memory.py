@@ -1,4 +1,4 @@
-"""Memory of kernels on symbols: arrays whose parts share their entries, and what is undone."""
+"""Memory of kernels on symbols: arrays whose parts share entries, and a journal to undo writes."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ import numpy as np
 from psp3.symbolic.numbers import SX, Number, choice, whole
 
 MISSING = object()
-"""In place of a variable that has no value yet."""
+"""Placeholder for a variable that has no value yet."""
 
 Answer = TypeVar("Answer")
 
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A part of an array, row by row: its entries may be symbols, and belong to other parts too."""
+    """A part of an array, row by row; entries may be symbols, and other parts may share them."""
 
     cells: list[Number]
     start: int
     shape: tuple[int, ...]
 
     def is_same(self, other: object) -> bool:
-        """Tell whether another one is the same part of the same array."""
+        """Tell whether another piece is the same part of the same array."""
         return (
             isinstance(other, Piece)
             and self.cells is other.cells
@@ -43,14 +43,14 @@ class Piece:
         return self.cells[self.start : self.start + self.size]
 
     def place(self, index: Any) -> int:
-        """Return where among the cells an entry is.
+        """Return the index of an entry among the cells.
 
         Raises
         ------
         TypeError
-            If a number of the index depends on a symbol.
+            If the index depends on a symbol.
         IndexError
-            If it is beyond the shape.
+            If the index is beyond the shape.
         """
         numbers = index if isinstance(index, tuple) else (index,)
         at = 0
@@ -77,7 +77,7 @@ class Piece:
 
 
 def piece_of(array: Any) -> Piece:
-    """Return an array of numbers as kernels on symbols take it; a copy."""
+    """Return a copy of an array of numbers for kernels on symbols."""
     values = np.asarray(array)
     return Piece(values.ravel().tolist(), 0, values.shape)
 
@@ -88,19 +88,19 @@ def piece_with(entries: Sequence[Number]) -> Piece:
 
 
 def symbols_in(vector: SX) -> Piece:
-    """Return the entries of a symbolic vector, of any number of columns, row by row."""
+    """Return the entries of a symbolic matrix, row by row."""
     rows, columns = vector.shape
     entries = [vector[i, j] for i in range(rows) for j in range(columns)]
     return piece_with(entries)
 
 
 def chosen(condition: SX, one: Any, other: Any) -> Any:
-    """Return one value where a condition holds, and else the other, both of one kind.
+    """Return one value if a condition is true, else the other; both must be of one kind.
 
     Raises
     ------
     TypeError
-        If they are neither numbers nor the same.
+        If they are neither numbers nor the same object.
     """
     if one is other:
         return one
@@ -115,11 +115,11 @@ def chosen(condition: SX, one: Any, other: Any) -> Any:
 
 
 class Changes(dict[tuple[int, Any], tuple[Any, Any, Any]]):
-    """Entries of lists and dictionaries, each with its container, its index and a value."""
+    """Writes to lists and dictionaries, each with its container, its index and a value."""
 
 
 class Journal:
-    """Writes to arrays and variables, so that both ways of a branch start from the same memory."""
+    """Records writes, so that both ways of a branch can start from the same memory."""
 
     def __init__(self) -> None:
         self._before: Changes | None = None
@@ -133,7 +133,7 @@ class Journal:
         container[index] = value
 
     def tried(self, run: Callable[[], Answer]) -> tuple[Answer, Changes]:
-        """Return what something returns and what it changes, which is undone."""
+        """Return the result of a function and its changes, and undo the changes."""
         outer, self._before = self._before, Changes()
         try:
             answer = run()
@@ -150,19 +150,19 @@ class Journal:
         return answer, after
 
     def redo(self, changes: Changes) -> None:
-        """Make changes again that were undone."""
+        """Repeat changes that were undone."""
         for container, index, value in changes.values():
             self.write(container, index, value)
 
     def merged(self, condition: SX, one: Changes, other: Changes) -> Changes:
-        """Return the changes of one way where a condition holds, and else those of the other."""
+        """Return the changes of one way if a condition is true, else those of the other."""
         both = Changes()
         for key in dict.fromkeys([*one, *other]):
             container, index, _ = one.get(key) or other[key]
             now = _entry(container, index)
             a = one[key][2] if key in one else now
             b = other[key][2] if key in other else now
-            # What only one way has nobody reads after the other.
+            # A variable that only one way sets is not read after the other.
             value = b if a is MISSING else a if b is MISSING else chosen(condition, a, b)
             both[key] = container, index, value
         return both

@@ -1,7 +1,7 @@
-"""Arithmetic of kernels on numbers that are known and on CasADi's symbols.
+"""Arithmetic of kernels on known numbers and on CasADi symbols.
 
-A number that is known stays a number of Python, so that only what depends on a symbol becomes a
-part of CasADi's graph: a robot's matrices are mostly zeros.
+A known number remains a Python number, so that only expressions that depend on a symbol enter
+CasADi's graph, because a robot's matrices are mostly zeros.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ except ImportError as error:
 SX = casadi.SX
 
 Number = Any
-"""A number or truth of Python, or a symbol, ``casadi.SX`` of one entry."""
+"""A Python number or truth value, or a symbol, which is a ``casadi.SX`` of one entry."""
 
 
 def is_symbol(value: object) -> bool:
@@ -31,14 +31,14 @@ def is_symbol(value: object) -> bool:
 
 
 def _settled(value: Number) -> Number:
-    """Return what does not depend on a symbol as a number of Python."""
+    """Return a Python number if a value does not depend on a symbol."""
     return float(value) if value.is_constant() else value
 
 
 def _add(a: Number, b: Number) -> Number:
     if type(a) is not SX and type(b) is not SX:
         return a + b
-    # To ask CasADi takes ten times as long, and most entries are zero.
+    # A call of CasADi takes ten times as long, and most entries are zero.
     if type(a) is not SX and a == 0.0:
         return b
     if type(b) is not SX and b == 0.0:
@@ -67,7 +67,7 @@ def _multiply(a: Number, b: Number) -> Number:
 def _divide(a: Number, b: Number) -> Number:
     if type(a) is not SX and type(b) is not SX:
         if b == 0.0:
-            # As IEEE 754, and the kernels, have it.
+            # As in IEEE 754 and in the kernels.
             infinite = math.copysign(math.inf, a) * math.copysign(1.0, b)
             return math.nan if a == 0.0 or a != a else infinite
         return a / b
@@ -99,7 +99,7 @@ BINARY: dict[type[ast.operator], Callable[[Number, Number], Number]] = {
     ast.FloorDiv: operator.floordiv,
     ast.Mod: operator.mod,
 }
-"""What two numbers are combined with."""
+"""The operators for two numbers."""
 
 COMPARISONS: dict[type[ast.cmpop], Callable[[Number, Number], Number]] = {
     ast.Lt: _compared(operator.lt),
@@ -109,7 +109,7 @@ COMPARISONS: dict[type[ast.cmpop], Callable[[Number, Number], Number]] = {
     ast.Eq: _compared(operator.eq),
     ast.NotEq: _compared(operator.ne),
 }
-"""What two numbers are compared with. A symbol is equal to itself."""
+"""The comparisons of two numbers. A symbol is equal to itself."""
 
 
 def negated(value: Number) -> Number:
@@ -118,7 +118,7 @@ def negated(value: Number) -> Number:
 
 
 def opposite(value: Number) -> Number:
-    """Return whether something is not true."""
+    """Return whether a condition is not true."""
     return casadi.logic_not(value) if type(value) is SX else not value
 
 
@@ -142,7 +142,7 @@ def _logarithm(x: float) -> float:
 
 
 def _is_finite(value: Number) -> bool:
-    """Tell whether a number is finite: of a symbol that is taken for granted."""
+    """Tell whether a number is finite; a symbol is assumed to be."""
     return type(value) is SX or math.isfinite(value)
 
 
@@ -179,7 +179,7 @@ def greatest(first: Number, *others: Number) -> Number:
 
 
 def whole(value: Number) -> int:
-    """Return the whole part of a number that must be known.
+    """Return the integer part of a number, which must be known.
 
     Raises
     ------
@@ -192,7 +192,7 @@ def whole(value: Number) -> int:
 
 
 def choice(condition: SX, one: Number, other: Number) -> Number:
-    """Return one number where a condition holds, and else the other, which may be NaN there."""
+    """Return one number if a condition is true, else the other; the unused one may be NaN."""
     if type(one) is SX and type(other) is SX and casadi.is_equal(one, other):
         return one
     if type(one) is not SX and type(other) is not SX and one == other:

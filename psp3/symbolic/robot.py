@@ -1,17 +1,19 @@
-r"""Dynamics of any robot with loops as functions of CasADi's symbols.
+r"""Dynamics of any robot with loops as functions of CasADi symbols.
 
-The loops are closed by no iteration here: all functions take a configuration q of all joints that
-closes them. How to get from it to derivatives along the independent coordinates is a choice:
+These functions do not close the loops by iteration. All of them take a configuration q of all
+joints that closes the loops. There are three ways to get derivatives along the independent
+coordinates:
 
-- **q as parameter**: numbers from ``robot.configuration``, as along a path that is given.
-- **q as unknowns** of an optimization, with :attr:`SymbolicRobot.closure_equations` = 0 beside it.
-- **implicit differentiation**: a small motion of the independent coordinates takes q along by
-  :math:`\partial q / \partial a = E L`, with L the complement of the loops and E from velocities to
-  rates of coordinates, so that :math:`\mathrm d f / \mathrm d a = f_q\, E L`;
+- **q as parameter**: numbers from ``robot.configuration``, for example along a given path. - **q as
+unknowns** of an optimization, with the constraint :attr:`SymbolicRobot.closure_equations` = 0. -
+**implicit differentiation**: a small motion of the independent coordinates changes q by
+  :math:`\partial q / \partial a = E L`, with L the complement of the loops and E the map from
+  velocities to rates of coordinates, so that :math:`\mathrm d f / \mathrm d a = f_q\, E L`;
   :meth:`SymbolicRobot.derivatives`.
 
-L is an expression in q, through the factored Jacobian of the closures, and so are M, C, G and all
-else; their derivatives by q, of which those along the loops mean something, contain how it changes.
+L is an expression in q that contains the factored Jacobian of the closures, and so are M, C, G and
+all other results. Their derivatives by q include the change of L. Only derivatives along motions
+that keep the loops closed have a meaning.
 """
 
 from __future__ import annotations
@@ -42,7 +44,7 @@ WIDTHS = {tree.SCREW: 1, tree.UNBOUNDED: 2, tree.BALL: 4, tree.FREE: 7, tree.PLA
 
 
 class PlacedRobot(NamedTuple):
-    """A robot at a configuration q that closes its loops, in place of a robot's table in kernels.
+    """A robot at a configuration q that closes its loops; kernels use it as a robot's table.
 
     ``tree`` and ``numbers`` are the robot's, ``memory`` is placed at q.
     """
@@ -72,7 +74,7 @@ DIFFERENTIABLE = (
     "actuation_matrix",
     "complement",
 )
-"""Functions whose derivatives along the loops can be asked for."""
+"""Functions that have derivatives along the loops."""
 
 
 def vector(entries: list[Number]) -> SX:
@@ -86,22 +88,22 @@ def matrix(entries: list[Number], rows: int, columns: int) -> SX:
 
 
 class SymbolicRobot:
-    """A robot of any kind as ``casadi.Function`` objects, made when they are first asked for.
+    """A robot of any kind as ``casadi.Function`` objects, which are created on demand.
 
-    Inputs and outputs have names: ``q`` (nq,), a configuration that closes the loops,
-    ``speeds``, ``accelerations`` and ``forces`` (n,) of the independent coordinates, in the order
-    of ``robot.coordinates``. Where motors are not the coordinates, forces are those along the
-    coordinates, and :attr:`actuation_matrix` says what the motors do.
+    Inputs and outputs have names: ``q`` (nq,), a configuration that closes the loops, ``speeds``,
+    ``accelerations`` and ``forces`` (n,) of the independent coordinates, in the order of
+    ``robot.coordinates``. If the motors are not the coordinates, forces are those along the
+    coordinates, and :attr:`actuation_matrix` gives the effect of the motors.
 
     Parameters
     ----------
     robot : ClosedLoopRobot
-        Its numbers, gravity among them, are taken as they are now.
+        The robot; its present numbers, including gravity, are used.
 
     Raises
     ------
     InvalidValue
-        If it is no such robot.
+        If it is not such a robot.
     MissingPackage
         If CasADi is not installed: ``pip install 'psp3[symbolic]'``.
     """
@@ -124,7 +126,7 @@ class SymbolicRobot:
         self._forces = SX.sym("forces", self.joints)
 
     def __getstate__(self) -> dict[str, Any]:
-        # CasADi pickles no symbols; functions of them are made again when they are asked for.
+        # CasADi cannot pickle symbols, so functions are created again on demand.
         kept = ("robot", "_tree", "_numbers", "_start", "_counts", "joints")
         return {name: self.__dict__[name] for name in kept}
 
@@ -135,7 +137,7 @@ class SymbolicRobot:
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.robot.title})"
 
-    # How kernels are asked
+    # Calls of kernels
 
     def _call(self, kernel: Any, memory: Piece, *arguments: Any) -> Any:
         return self._interpreter.call(kernel, self._tree, self._numbers, memory, *arguments)
@@ -159,11 +161,11 @@ class SymbolicRobot:
         return self._q
 
     def placed(self) -> PlacedRobot:
-        """Return the robot at :attr:`configuration`, as kernels take it that ask for its forces."""
+        """Return the robot at :attr:`configuration`, for kernels that need its forces."""
         return PlacedRobot(self._tree, self._numbers, piece_with(self._pose))
 
     def _answer(self, question: int, width: int, second: Piece, third: Piece) -> list[Number]:
-        """Return what the kernel answers to a question about the pose at q."""
+        """Return the kernel's answer to a question about the pose at q."""
         memory, out = piece_with(self._pose), piece_with([float("nan")] * width)
         arguments = (self._tree, self._numbers, memory, second, third, 0, out, 0)
         self._interpreter.call(motion.answer_of_pose, question, *arguments)
@@ -178,10 +180,10 @@ class SymbolicRobot:
     def closure_equations(self) -> Any:
         """``q`` to ``residual``: zero where q closes the loops [m, rad].
 
-        A row of each closure equation, group by group, of which some may follow from others, then
-        one of each quaternion, and each angle that is given by cosine and sine, for its length.
-        Where frames are joined in orientation, the residual is the sine of their angle along its
-        axis, which is zero at no other pose but half turns.
+        There is a row for each closure equation, group by group (some may be redundant), then one
+        for the length of each quaternion and of each angle that is given as cosine and sine. If
+        frames are joined in orientation, the residual is the sine of their angle along its axis,
+        which has additional zeros only at half turns.
         """
         rows = int(self._counts[tree.ROWS])
         memory, out = piece_of(self._start), piece_with([float("nan")] * rows)
@@ -198,7 +200,7 @@ class SymbolicRobot:
         return kind, q, v, freedoms
 
     def _length(self, e: int) -> SX | None:
-        """Return by how much the square of what must be of unit length misses one."""
+        """Return how far the squared lengths of quaternions, cosines and sines are from one."""
         kind, q, _, _ = self._element(e)
         first, count = {
             tree.UNBOUNDED: (q, 2),
@@ -218,7 +220,7 @@ class SymbolicRobot:
 
     @functools.cached_property
     def configuration_rates(self) -> Any:
-        """``q``, ``speeds`` to ``rates`` (nq,): how q changes while the loops stay closed."""
+        """``q``, ``speeds`` to ``rates`` (nq,): the rates of q with closed loops."""
         velocities = self.complement(self._q) @ self._speeds
         rates = SX.zeros(self.robot.model.nq)
         for e in range(int(self._counts[tree.ELEMENTS])):
@@ -232,13 +234,13 @@ class SymbolicRobot:
     def frame(self, name: str) -> Any:
         """Return ``q`` to ``position`` (3,), ``rotation`` (3, 3) and ``jacobian`` (6, n).
 
-        All in base axes; the Jacobian is linear velocity of the frame's origin, then angular
-        velocity, for unit speeds of the coordinates.
+        All are in base axes. The Jacobian has the linear velocity of the frame's origin, then the
+        angular velocity, for unit speeds of the coordinates.
 
         Parameters
         ----------
         name : str
-            Name of a frame, as of :meth:`psp3.ClosedLoopRobot.frame_placement`.
+            Name of a frame, as in :meth:`psp3.ClosedLoopRobot.frame_placement`.
 
         Raises
         ------
@@ -309,26 +311,26 @@ class SymbolicRobot:
 
     @functools.cached_property
     def actuation_matrix(self) -> Any:
-        """``q`` to ``A`` (n, m): what the motors' forces do along the coordinates."""
+        """``q`` to ``A`` (n, m): maps motor forces to forces along the coordinates."""
         A = self.complement(self._q).T @ casadi.DM(np.asarray(self.robot.motors))
         return self._function("actuation_matrix", {"q": self._q}, {"A": A})
 
     def derivatives(self, name: str) -> Any:
-        r"""Return the derivatives of a function along the independent coordinates, loops closed.
+        r"""Return the derivatives of a function along the coordinates, with closed loops.
 
-        By positions, :math:`f_q\, E L`, the matrix that ``robot.inverse_dynamics_derivatives``
-        has, and by the function's other inputs. A matrix counts as its columns, one below the
-        other.
+        The derivatives by positions are :math:`f_q\, E L`, the matrix of
+        ``robot.inverse_dynamics_derivatives``; there are also those by the function's other inputs.
+        A matrix is treated as the vector of its stacked columns.
 
         Parameters
         ----------
         name : str
-            A function's name, one of ``DIFFERENTIABLE``.
+            The name of a function, one of ``DIFFERENTIABLE``.
 
         Returns
         -------
         casadi.Function
-            Of the same inputs, to ``by_positions`` and, where there are such inputs,
+            A function of the same inputs, to ``by_positions`` and, if there are such inputs,
             ``by_speeds``, ``by_accelerations`` or ``by_forces``.
 
         Raises
@@ -356,7 +358,7 @@ class SymbolicRobot:
 
 
 def _rates(kind: int, q: SX, v: SX) -> SX:
-    """Return how the coordinates of an element change with velocities in its own axes."""
+    """Return the rates of an element's coordinates for velocities in its own axes."""
     if kind == tree.UNBOUNDED:
         return vector([-q[1] * v[0], q[0] * v[0]])
     if kind == tree.PLANAR:

@@ -1,6 +1,4 @@
-r"""Closed form of the 3-PSP robot's kinematics and dynamics, compiled.
-
-The fast one of the two implementations.
+r"""Compiled closed form of the 3-PSP robot's kinematics and dynamics.
 
 Everything follows from three coordinates that are *linear* in the nut heights: the slope
 :math:`p = u + iv = \tan\theta\, e^{i\beta}` of the star (tilt :math:`\theta` toward azimuth
@@ -23,12 +21,12 @@ the nut triangle, and
 
 where :math:`n` is the star's own axis and its rotation is the shortest one that takes :math:`e_z`
 to :math:`n`. No angle is evaluated anywhere, so nothing is singular at the level pose. The change
-of coordinates is linear, so mass matrix and Coriolis matrix are transformed like tensors, without
-further terms.
+of coordinates is linear, so the mass matrix and the Coriolis matrix transform like tensors, without
+additional terms.
 
-Kernels take flat, contiguous arrays of ``n`` rows, write to a flat array and return -1, or the
-first row that is not finite or whose arm lengths are not all positive. :mod:`psp3.three_psp.robot`
-is the face that people use.
+Kernels take flat, contiguous arrays of ``n`` rows and write to a flat array. They return -1, or the
+first row that is not finite or whose arm lengths are not all positive. Users call
+:mod:`psp3.three_psp.robot`.
 """
 
 from __future__ import annotations
@@ -42,15 +40,15 @@ from psp3.three_psp.geometry import LARGEST_TIP_SLOPE
 HALF_SQRT3 = 0.8660254037844386
 
 MOST_TIP_STEPS = 1000
-"""The tip's inverse kinematics is given up after so many steps along the ray; near its fold it
-takes some sixty.
+"""The largest number of steps of the tip's inverse kinematics along the ray; near its fold it needs
+about sixty.
 """
 
 MOST_TIP_ITERATIONS = 40
-"""The most steps of Newton's method in each of these."""
+"""The largest number of Newton steps in each of these."""
 
 SMALLEST_TIP_STEP = 1e-9
-"""A point of the tip is beyond the fold where this share of the ray is still too long a step."""
+"""A point counts as beyond the fold if a step must be shorter than this share of the ray."""
 
 TIP_ROUNDING = 1e-16
 """Rounding of the tip's position, per meter of radius and tool."""
@@ -81,7 +79,7 @@ def slope_of_nuts(a1, a2, a3, d):
 def cosine_of_tilt(u, v):
     """Cosine of the tilt, c, and k = c²/(1+c).
 
-    That is (1 − c)/(u² + v²) without the division 0/0.
+    The latter is (1 − c)/(u² + v²) without the division 0/0.
     """
     c = 1.0 / math.sqrt(1.0 + u * u + v * v)
     return c, c * c / (1.0 + c)
@@ -134,7 +132,7 @@ def is_finite(array, i):
 def _term(f, f1, f2, u, v, q, qu, qv, quu, quv, qvv):
     """Value, gradient and second derivatives of f(u² + v²) q(u, v).
 
-    Given f, f', f'' and those of q.
+    The arguments are f, f', f'' and those of q.
     """
     fu, fv = 2.0 * u * f1, 2.0 * v * f1
     fuu, fuv, fvv = 2.0 * f1 + 4.0 * u * u * f2, 4.0 * u * v * f2, 2.0 * f1 + 4.0 * v * v * f2
@@ -153,7 +151,7 @@ def _center_derivatives(u, v, c, d):
     # c, c^3/(1+c)^2 and c^2/(1+c) with their first and second derivatives with respect to u² + v².
     square = c * c
     c1, c2 = -0.5 * (c * square), 0.75 * (c * (square * square))
-    # Divided by 1 + c once: divisions take most of the time.
+    # There is only one division by 1 + c, because divisions take most of the time.
     w = 1.0 / (1.0 + c)
     ww = w * w
     g = c * square * ww
@@ -230,7 +228,7 @@ def _center_derivatives(u, v, c, d):
 def _tip_derivatives(u, v, c, d, h):
     """Return the derivatives (u, v, uu, uv, vv) of the tip's three coordinates.
 
-    Those of the center plus h n.
+    They are those of the center plus h n.
     """
     x, y, z = _center_derivatives(u, v, c, d)
     square = c * c
@@ -316,7 +314,7 @@ def _reduced(u, v, c, k, du, dv, p):
         dlx, dly = du * ca + dv * sa, dv * ca - du * sa
         q_square = 1.0 + lx * lx
         q = math.sqrt(q_square)
-        # 1/q² and 1/q by one division.
+        # One division gives 1/q² and 1/q.
         phi_x = 1.0 / q_square
         r = q * phi_x
         dq = lx * dlx * r
@@ -652,8 +650,8 @@ def tip_slope(x: float, y: float, d: float, h: float) -> tuple[float, float]:
 
     NaN where the tip is out of reach.
 
-    Newton's method, followed along the ray from the center to (x, y) in steps that are halved where
-    it leaves the branch.
+    Newton's method follows the ray from the center to (x, y); a step that leaves the branch is
+    halved.
     """
     u, v, done, step = 0.0, 0.0, 0.0, 1.0
     tiny = TIP_ROUNDING * (d + h)

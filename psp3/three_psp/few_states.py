@@ -1,4 +1,4 @@
-"""The closed form of the 3-PSP at a few states, for which nothing is compiled."""
+"""The closed form of the 3-PSP at a few states, in Python without compilation."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from fuzzy2.support.interpreted import are_few_calls, is_ready, twin_of
 from psp3.three_psp import closed_form
 
 FEW = 64
-"""States of a call for which nothing is compiled where only a few calls are to come."""
+"""Nothing is compiled for calls with at most this many states, if only a few calls are expected."""
 
 
 def are_few(rows: int) -> bool:
-    """Tell whether states are so few that nothing should be compiled for them."""
+    """Tell whether there are too few states to compile anything for them."""
     return rows <= FEW and are_few_calls()
 
 
 def kernel_of_closed_form(name: str) -> Callable[..., Any]:
-    """Return a kernel of the closed form: in Python where only a few calls are to come.
+    """Return a kernel of the closed form; in Python if only a few calls are expected.
 
     Parameters
     ----------
@@ -31,16 +31,16 @@ def kernel_of_closed_form(name: str) -> Callable[..., Any]:
 
 
 class KernelsOnDemand:
-    """Stands for a robot's closed form until it is first called when many calls may follow.
+    """Represents a robot's closed form until a call after which many others may follow.
 
     Parameters
     ----------
     robot : object
-        Its ``_kernels`` is this object, and becomes the compiled closed form.
+        Its ``_kernels`` is this object, and is later replaced by the compiled closed form.
     """
 
     def __init__(self, robot: Any) -> None:
-        # Not the robot itself, which would be its own owner then.
+        # A weak reference, because the robot owns this object.
         self._robot = weakref.ref(robot)
 
     def __getattr__(self, name: str) -> Callable[..., Any]:

@@ -1,11 +1,11 @@
-r"""Geometry of the 3-PSP robot that is not on the hot path.
+r"""Geometry of the 3-PSP robot that need not be fast.
 
-Inverse kinematics from tilt, and the reach of the tip.
+It contains the inverse kinematics from the tilt, and the reach of the tip.
 
-Driving the tip's horizontal position folds where its derivative with respect to the star's slope
-becomes singular; the fold is a curve with three cusps (nearly a deltoid) around the vertical axis,
-and the tip cannot leave it on the branch that is connected to home. At azimuth 0 the reach is
-exactly :math:`\sqrt{h^2 + d^2/4} - d/2`, 23.9 mm for the thesis's robot.
+The map from the star's slope to the tip's horizontal position has a fold where its derivative is
+singular. The fold is a curve with three cusps (nearly a deltoid) around the vertical axis, and on
+the branch that is connected to home the tip cannot go beyond it. At azimuth 0 the reach is exactly
+:math:`\sqrt{h^2 + d^2/4} - d/2`, 23.9 mm for the thesis's robot.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ SCREW_AZIMUTHS = np.array([0.0, 2.0 * np.pi / 3.0, 4.0 * np.pi / 3.0])
 """Azimuths of the three screws [rad]."""
 
 LARGEST_TIP_SLOPE = math.sqrt(3.0)
-"""Tangent of the largest tilt at which a given tip is looked for, 60 degrees; the fold lies at 33
-to 38 degrees.
+"""Tangent of the largest tilt in the search for a given tip, 60 degrees; the fold is at 33 to 38
+degrees.
 
 Beyond the fold the determinant of the tip's map is negative up to tilts of 70 degrees (checked on a
 grid for tools of 10 to 150 mm), so a positive determinant below this slope identifies the branch
@@ -78,7 +78,7 @@ def heights_of_tilt(
     InvalidValue
         If the tilt is 90° or more.
     UnreachablePose
-        If an arm length comes out negative or zero, which needs a tilt of at least 70.53°.
+        If an arm length is negative or zero, which happens only at a tilt of at least 70.53°.
     """
     z, theta, phi = together(
         height=_column("height", height),
@@ -122,8 +122,8 @@ def arm_lengths(heights: ArrayLike, screw_radius: float) -> Array:
     Returns
     -------
     (..., 3) ndarray
-        Arm lengths [m]; negative where the Fermat point lies outside the triangle, which the
-        machine cannot reach.
+        Arm lengths [m]; negative if the Fermat point lies outside the triangle, which the machine
+        cannot reach.
 
     Raises
     ------
@@ -135,8 +135,8 @@ def arm_lengths(heights: ArrayLike, screw_radius: float) -> Array:
         np.broadcast_arrays(d * np.cos(SCREW_AZIMUTHS), d * np.sin(SCREW_AZIMUTHS), a),
         axis=-1,
     )
-    # Absurd heights overflow to lengths that are not numbers; the caller's check says so better
-    # than a warning.
+    # Absurd heights overflow to lengths that are not numbers. The caller's check gives a better
+    # message than a numpy warning.
     with np.errstate(over="ignore", invalid="ignore"):
         return _fermat_arms(nuts)
 
@@ -157,7 +157,7 @@ def _fermat_arms(nuts: Array) -> Array:
 def _tip_map(slope: complex, d: float, h: float) -> tuple[complex, float]:
     """Horizontal tip position of a slope, and the determinant of its derivative.
 
-    By complex arithmetic, not by the kernels.
+    It uses complex arithmetic, not the kernels.
     """
     s = abs(slope) ** 2
     c = (1.0 + s) ** -0.5
@@ -218,13 +218,15 @@ def _root(function: Callable[[float], float], lower: float, upper: float) -> flo
 
 
 SHORTEST_TOOL = 1e-12
-"""As a share of the screws' radius; the reach of a shorter tool is lost in rounding."""
+"""The shortest tool, as a share of the screw radius; the reach of a shorter one is lost in
+rounding.
+"""
 
 
 def tip_reach(azimuth: ArrayLike, screw_radius: float, tool_length: float) -> Array:
-    r"""Return how far from the vertical axis the tip gets at an azimuth.
+    r"""Return how far the tip can move from the vertical axis at an azimuth.
 
-    On the branch connected to home.
+    The poses are on the branch that is connected to home.
 
     Parameters
     ----------
@@ -237,8 +239,8 @@ def tip_reach(azimuth: ArrayLike, screw_radius: float, tool_length: float) -> Ar
     -------
     (...,) ndarray
         Radius of the fold [m]; :math:`\sqrt{h^2 + d^2/4} - d/2` at the azimuths of the screws,
-        where it is least. A tool longer than 0.866 d does not fold before the tilt of 60° where the
-        inverse kinematics ends; then it is the radius at that tilt.
+        where it is smallest. With a tool longer than 0.866 d there is no fold up to the tilt of 60°
+        where the inverse kinematics ends; the result is then the radius at that tilt.
 
     Raises
     ------

@@ -1,11 +1,12 @@
-"""Dynamics of the 3-PSP at many states: the closed form, several states in one instruction.
+"""Dynamics of the 3-PSP at many states: the closed form with vector instructions.
 
-States are taken in blocks. Of each block a scratch array holds numbers of one kind side by side, in
-columns, and the loop over the block's states calls nothing and never ends early: the compiler
-makes vector instructions of it. Every number is computed by the same operations in the same order
-as in :mod:`psp3.three_psp.closed_form`, so that results are equal to the last bit. Kernels have the
-arguments and answers of those of the same names there. :func:`first_refused_row` is how a batch is
-computed: by these kernels, or those of the closed form where there are none, on all cores.
+States are processed in blocks. For each block, a scratch array stores numbers of one kind in a
+contiguous column. The loop over the states of a block calls no function and never ends early, so
+the compiler can use vector instructions. Every number is computed with the same operations in the
+same order as in :mod:`psp3.three_psp.closed_form`, so all bits of the results are equal. The
+kernels have the names, arguments and results of those in the closed form. :func:`first_refused_row`
+computes a batch on all cores, with these kernels or, if there is none for a quantity, with that of
+the closed form.
 """
 
 from __future__ import annotations
@@ -22,13 +23,13 @@ from psp3.three_psp import closed_form
 from psp3.three_psp.closed_form import _equation, _solve
 from psp3.three_psp.few_states import are_few, kernel_of_closed_form
 
-# Of fewer rows no vector of AVX-512 is full, and the closed form's own kernels take less time.
+# Fewer rows do not fill an AVX-512 vector, and the closed form's own kernels are faster.
 FEWEST = 8
 
-# States in a block: its columns take 25 kB, which stay in the first cache.
+# States in a block. Its columns take 25 kB, which fit into the first-level cache.
 BLOCK = 128
 # Columns: heights (3), speeds (3), M's upper triangle by rows (6), C by rows (9), G (3), validity.
-# M, C and G are what a state's equation returns.
+# M, C and G are in the order in which ``_equation`` returns them.
 HEIGHTS, SPEEDS, M, C, G, VALID, COLUMNS = (BLOCK * column for column in (0, 3, 6, 12, 21, 24, 25))
 
 
@@ -158,7 +159,7 @@ def forward_dynamics(heights: Array, speeds: Array, forces: Array, p: Array, out
     for first in range(0, rows, BLOCK):
         count = min(BLOCK, rows - first)
         _write_columns(heights, speeds, first, count, p, columns)
-        # The solution replaces the heights, which are not needed any more.
+        # The solution replaces the heights, which are no longer needed.
         for r in range(count):
             i = 3 * (first + r)
             v1, v2, v3 = (
@@ -206,7 +207,7 @@ def forward_dynamics(heights: Array, speeds: Array, forces: Array, p: Array, out
     return -1
 
 
-# Kernel of each quantity, and how many rows it computes in about 50 µs.
+# Kernel of each quantity, and the number of rows that it computes in about 50 µs.
 _KERNELS: dict[str, tuple[Callable[..., int], int]] = {
     "forward_kinematics": (closed_form.forward_kinematics, 2000),
     "configuration": (closed_form.configuration, 400),
@@ -228,11 +229,11 @@ def first_refused_row(name: str, inputs: Sequence[Array], p: Array, *outs: Array
     name : str
         Name of the kernel in :mod:`psp3.three_psp.closed_form`.
     inputs : sequence of (..., 3) ndarray
-        What it takes before the parameters, contiguous and of one shape.
+        Its arguments before the parameters, contiguous and of one shape.
     p : ndarray
         The robot's parameters.
     *outs : (..., n) ndarray
-        What it writes to, contiguous, with the leading dimensions of the inputs.
+        Arrays for its results, contiguous, with the leading dimensions of the inputs.
     """
     rows = inputs[0].size // 3
     before, after = [a.reshape(-1) for a in inputs], [a.reshape(-1) for a in outs]

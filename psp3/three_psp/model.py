@@ -1,4 +1,4 @@
-"""The Pinocchio model of the 3-PSP: read from its files, with the numbers of a parameter set."""
+"""The Pinocchio model of the 3-PSP, read from its files, with the numbers of a parameter set."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ def load_psp3(parameters: str | Parameters) -> PSP3:
     robot = PSP3(model, closures, loops.actuated, home, visual_model, numbers)
     robot.urdf, robot.srdf = ROBOT_FILES / "psp3.urdf", ROBOT_FILES / "psp3.srdf"
     for pose in list(model.referenceConfigurations):
-        # The file's poses are those of the default screw radius; their tilts are kept, so that
-        # every pose stays possible.
+        # The poses in the file are for the default screw radius. Their tilts are kept, so that
+        # every pose remains possible.
         heights = np.array(pose.data())[
             [model.joints[model.getJointId(name)].idx_q for name in loops.actuated]
         ]
@@ -45,14 +45,14 @@ def load_psp3(parameters: str | Parameters) -> PSP3:
 def set_parameters(model: pin.Model, parameters: Parameters) -> None:
     """Write parameters into a model read from ``psp3.urdf``.
 
-    Screw and tip positions, masses, inertias, gravity.
+    These are screw and tip positions, masses, inertias and gravity.
 
     Parameters
     ----------
     model : pinocchio.Model
         The model, changed in place.
     parameters : Parameters
-        The numbers. A third of the star's mass and inertia goes to the end of each chain.
+        The numbers. The last body of each chain gets a third of the star's mass and inertia.
     """
     p = parameters
     ball = {
@@ -72,7 +72,7 @@ def set_parameters(model: pin.Model, parameters: Parameters) -> None:
         placement.translation = p.screw_radius * np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
         model.jointPlacements[joint["a"]] = placement
         model.inertias[joint["a"]] = _diagonal(p.nut_mass, p.nut_inertia)
-        # Each body of the ball joint has its large moment about its own joint's axis.
+        # The large moment of each body of the ball joint is about the body's own joint axis.
         (
             model.inertias[joint["phi"]],
             model.inertias[joint["theta"]],

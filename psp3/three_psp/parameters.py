@@ -1,8 +1,8 @@
 r"""Physical parameters of the 3-PSP robot.
 
-The thesis's Table 3.1 and the readings of it that are in use.
+They are those of the thesis's Table 3.1, with its different readings.
 
-Three sets have names. They differ in the inertia of the star and in gravity only:
+Three sets have names. They differ only in the inertia of the star and in gravity:
 
 =============  ===================================  ========  ======================================
 name           star inertia about (x, y, own axis)  g [m/s²]  what it is
@@ -44,8 +44,8 @@ class Parameters:
     nut_mass : float
         Mass of each nut, :math:`m_1 = m_2 = m_3` [kg].
     nut_inertia : (3,) tuple of float
-        Moments of inertia of a nut [kg m²]. The printed ones violate the triangle inequality; a nut
-        never turns, so they enter no equation of motion.
+        Moments of inertia of a nut [kg m²]. The printed ones violate the triangle inequality. A nut
+        never rotates, so they do not enter the equation of motion.
     ball_mass : float
         Mass of each of the three bodies of a ball joint, :math:`m_4 = \dots = m_{12}` [kg].
     ball_axial_inertia, ball_transverse_inertia : float
@@ -101,7 +101,7 @@ class Parameters:
 
     @property
     def total_mass(self) -> float:
-        """Mass of everything that moves, 26.496 kg for Table 3.1 [kg]."""
+        """Mass of all moving bodies, 26.496 kg for Table 3.1 [kg]."""
         return 3.0 * (self.nut_mass + 3.0 * self.ball_mass) + self.star_mass
 
     def as_array(self) -> NDArray[np.float64]:
@@ -111,8 +111,8 @@ class Parameters:
         -------
         (10,) ndarray
             :math:`d`, :math:`h`, the mass that slides on one screw, the star's mass, its three
-            moments plus those of the ball bodies that turn with it, the moments that
-            :math:`\dot\varphi_k` and :math:`\dot\theta_k` see in sum and :math:`\dot\theta_k`
+            moments plus those of the ball bodies that rotate with it, the sum of the moments for
+            :math:`\dot\varphi_k` and :math:`\dot\theta_k`, the moment for :math:`\dot\theta_k`
             alone, and :math:`g`.
         """
         axial, transverse = self.ball_axial_inertia, self.ball_transverse_inertia
@@ -123,11 +123,11 @@ class Parameters:
                 self.tool_length,
                 self.nut_mass + 3.0 * self.ball_mass,
                 self.star_mass,
-                # The third body of every ball joint turns with the star.
+                # The third body of every ball joint rotates with the star.
                 ix + 3.0 * transverse,
                 iy + 3.0 * transverse,
                 iz + 3.0 * axial,
-                # The phi body is turned by phi alone; the theta body by phi (across its axis) and
+                # The phi body rotates by phi only; the theta body by phi (across its axis) and by
                 # theta (about it).
                 axial + transverse,
                 axial,
@@ -148,7 +148,7 @@ PARAMETER_SETS: dict[str, Parameters] = {
 
 
 def named_parameters(parameters: str | Parameters) -> Parameters:
-    """Return the parameter set of that name.
+    """Return the parameter set with a name.
 
     An instance of :class:`Parameters` is returned as it is.
 

@@ -1,11 +1,11 @@
 r"""The 3-PSP parallel robot.
 
-Three vertical ball screws, a ball joint on each nut, a slider along each arm of a star.
+It has three vertical ball screws, a ball joint on each nut, and a slider along each arm of a star.
 
 One object holds the robot as Pinocchio sees it (tree, loop closures, poses, visuals) and answers
 every question about its kinematics and dynamics in the nut heights :math:`a`, through the compiled
-closed form of :mod:`psp3.three_psp.closed_form`. Three other implementations of its dynamics are to
-be had, see :meth:`PSP3.dynamics`.
+closed form of :mod:`psp3.three_psp.closed_form`. There are three other implementations of its
+dynamics, see :meth:`PSP3.dynamics`.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ DYNAMICS_MODELS = ("closed_form", *implementations.DYNAMICS_MODELS)
 """Names of the four implementations of the equation of motion."""
 
 SCREW_IN_NUT = np.array([0.0, -0.055, 0.0])
-"""Where the screw passes through the nut, in the axes of the leg [m]; see the visuals of
+"""The point where the screw passes through the nut, in the axes of the leg [m]; see the visuals of
 psp3.urdf.
 """
 
@@ -91,9 +91,10 @@ class Pose:
 class PSP3(ClosedLoopRobot):
     """The 3-PSP robot in closed form; get one from :func:`psp3.load`.
 
-    Every method takes leading batch dimensions, and any heights at which the three arm lengths are
-    positive. Trajectories and the simulation check the stroke of the screws, ``stroke``. Other
-    ``parameters`` need another robot: later changes of ``model``, of gravity too, have no effect.
+    Every method accepts leading batch dimensions, and all heights at which the three arm lengths
+    are positive. Trajectories and the simulation check the stroke of the screws, ``stroke``. To
+    change ``parameters``, create another robot: later changes of ``model``, including its gravity,
+    have no effect.
 
     Parameters
     ----------
@@ -126,7 +127,7 @@ class PSP3(ClosedLoopRobot):
         )
 
     def _load_kernels(self) -> None:
-        """Take the closed form: the compiled one, as soon as more than a few calls are to come."""
+        """Select the closed form; the compiled one when more than a few calls are expected."""
         from psp3.three_psp import many_states
         from psp3.three_psp.few_states import KernelsOnDemand
 
@@ -147,18 +148,18 @@ class PSP3(ClosedLoopRobot):
     def stroke(self) -> tuple[Array, Array]:
         """Lowest and highest nut heights, each of shape (3,) [m].
 
-        The limits of the actuated joints.
+        They are the limits of the actuated joints.
         """
         return self.limits
 
     @property
     def title(self) -> str:
-        """Name of the robot where it is shown."""
+        """Name of the robot in titles."""
         return "3-PSP robot"
 
     @property
     def limit_message(self) -> str:
-        """What is said when a nut is beyond the ends of its screw."""
+        """Message for a nut beyond the ends of its screw."""
         return "a nut ran off its screw"
 
     @property
@@ -168,21 +169,21 @@ class PSP3(ClosedLoopRobot):
 
     @property
     def learning_inputs(self) -> LearningInputs:
-        """What M, C and G depend on: four differences, for they do not change with the height."""
+        """The four differences on which M, C and G depend; the mean height does not matter."""
         return differences_of_three()
 
     @property
     def compiled_steps(self) -> Callable[[int, Any], Any]:
-        """How to make a compiled plant of the robot from a number of steps and its drives."""
+        """Function that creates a compiled plant from a number of steps and drives."""
         from psp3.three_psp.stepping import ClosedFormSteps
 
         return functools.partial(ClosedFormSteps, self._p)
 
     def last_pose(self) -> None:
-        """Return None: a closed form has no pose to look for."""
+        """Return None: a closed form does not search for poses."""
 
     def compiled_table(self) -> NamedTuple | None:
-        """Return the robot as compiled loops take it; None of a class that changes its dynamics."""
+        """Return the robot's table for compiled loops; None if a subclass changes its dynamics."""
         from psp3.three_psp.stepping import closed_form_table
 
         return closed_form_table(self._p) if type(self) is PSP3 else None
@@ -197,7 +198,7 @@ class PSP3(ClosedLoopRobot):
         third: ArrayLike,
         name_of_third: str = "accelerations",
     ) -> Array:
-        """Return answers of the core, each from the pose in closed form."""
+        """Return answers of the core, which starts from the poses of the closed form."""
 
         def one(row: Array, speed: Array, other: Array) -> Array:
             start = self.configuration(row) if guess is None else guess
@@ -214,15 +215,15 @@ class PSP3(ClosedLoopRobot):
     def dynamics(self, name: str) -> DynamicsModel:
         """Return one of the four implementations of the equation of motion.
 
-        The closed form shares its parameters with the others, and nothing else; these share the
-        tree and Pinocchio's joints, and each closes the loops in its own way.
+        The closed form shares only its parameters with the others. The others share the tree and
+        Pinocchio's joints, and each closes the loops in its own way.
 
         Parameters
         ----------
         name : str
-            ``"closed_form"`` (this object), ``"core"`` (the same parts as a
-            :class:`psp3.ClosedLoopRobot`, as any robot is computed), or ``"pinocchio"`` or
-            ``"noc"``, see :meth:`psp3.ClosedLoopRobot.dynamics`.
+            ``"closed_form"`` (this object); ``"core"`` (the same parts as a
+            :class:`psp3.ClosedLoopRobot`, computed like any robot); ``"pinocchio"`` or ``"noc"``,
+            see :meth:`psp3.ClosedLoopRobot.dynamics`.
 
         Raises
         ------
@@ -253,7 +254,7 @@ class PSP3(ClosedLoopRobot):
         -------
         Pose
             ``.center`` (..., 3), ``.rotation`` (..., 3, 3), ``.arms`` (..., 3) and ``.tip`` (...,
-            3), in base axes [m]. The star never turns about its own axis: its torsion is zero.
+            3), in base axes [m]. The star never rotates about its own axis: its torsion is zero.
 
         Raises
         ------
@@ -374,7 +375,7 @@ class PSP3(ClosedLoopRobot):
         return out
 
     def tip_reach(self, azimuth: ArrayLike) -> Array:
-        """Return how far from the vertical axis the tip gets at an azimuth [m].
+        """Return how far the tip can move from the vertical axis at an azimuth [m].
 
         See :func:`psp3.three_psp.geometry.tip_reach`.
         """
@@ -520,7 +521,7 @@ class PSP3(ClosedLoopRobot):
         if a.shape != v.shape:
             a, v = together(heights=a, speeds=v)
         if a.ndim == 1:
-            # One state, as in a control loop: handing out plain slices saves a fifth of the time.
+            # For one state, as in a control loop, returning plain slices saves a fifth of the time.
             out = np.empty(21)
             if self._kernels.equation_of_motion(a, v, self._p, out) >= 0:
                 self._refuse(0, heights=a, speeds=v)
@@ -662,7 +663,7 @@ class PSP3(ClosedLoopRobot):
         return self._energies(heights, _REST)[..., 1]
 
     def _check_guess(self, guess: ArrayLike | LastPose) -> None:
-        """Refuse what no robot takes for a guess, though the closed form needs none."""
+        """Refuse what no robot accepts as a guess, although the closed form needs none."""
         if not isinstance(guess, LastPose):
             one_row("guess", guess, self.model.nq)
 
@@ -689,7 +690,8 @@ _FLOAT = np.dtype(np.float64)
 
 def _first_not_finite(out: Array) -> int:
     """Return the first row of (..., k) that is not all finite, or -1."""
-    # One state, as in a control loop, by the fastest way; a sum that overflows tells nothing.
+    # For one state, as in a control loop, a finite sum is the fastest check; if it overflows, all
+    # entries are checked.
     if out.ndim == 1 and math.isfinite(sum(out.tolist())):
         return -1
     bad = ~np.isfinite(out.reshape(-1, out.shape[-1])).all(axis=-1)
@@ -699,9 +701,9 @@ def _first_not_finite(out: Array) -> int:
 def _three(name: str, values: ArrayLike) -> Array:
     """Return ``values`` as a contiguous float array of shape (..., 3).
 
-    Whether they are finite is seen by the kernels.
+    The kernels check whether they are finite.
     """
-    # Of what is read-only numba would compile every kernel anew.
+    # Numba would compile every kernel again for a read-only array.
     ready = type(values) is np.ndarray and values.dtype is _FLOAT and values.flags.carray
     array: Array = np.ascontiguousarray(values) if ready else as_floats(name, values, "(..., 3)")
     if array.shape != (3,) and (array.shape[-1] != 3 or np.ndim(values) == 0):

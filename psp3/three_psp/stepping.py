@@ -1,4 +1,4 @@
-"""Compiled Runge–Kutta steps of the 3-PSP: free, or with drives from event to event."""
+"""Compiled Runge–Kutta steps of the 3-PSP: without drives, or with drives from event to event."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ from psp3.three_psp.closed_form import (
 
 
 class ClosedForm(NamedTuple):
-    """The 3-PSP as compiled loops take it: its numbers, and room for six."""
+    """The table of the 3-PSP for compiled loops: its numbers, and scratch space for six."""
 
     parameters: Array
     scratch: Array
 
 
 def closed_form_table(parameters: Array) -> ClosedForm:
-    """Return the table of a loop; two loops at once need one each."""
+    """Return a table for a compiled loop; loops that run at the same time need separate tables."""
     return ClosedForm(parameters, np.empty(6))
 
 
@@ -44,7 +44,7 @@ def closed_form_table(parameters: Array) -> ClosedForm:
 def _balance(
     robot: ClosedForm, state: Array, forces: Array, drives: Array, mass: Array, net: Array
 ) -> None:
-    """Write M + J and what is left of the forces; NaN where the pose is none of the machine's."""
+    """Write M + J and the remaining forces; NaN if the robot cannot take the pose."""
     full = np.empty(21)
     if equation_of_motion(state[:3], state[3:], robot.parameters, full) >= 0:
         full[:] = math.nan
@@ -116,7 +116,7 @@ def runge_kutta_step(state: Array, forces: Array, step: float, p: Array, mid: Ar
 def advance(state: Array, forces: Array, step: float, steps: int, p: Array, mid: Array) -> bool:
     """Take Runge–Kutta steps under constant forces.
 
-    Return whether the state reached is finite and a pose of the machine.
+    Return whether the final state is finite and the robot can be in it.
     """
     for _ in range(steps):
         runge_kutta_step(state, forces, step, p, mid)
@@ -174,7 +174,7 @@ class ClosedFormSteps:
         self.state = np.zeros(6)
 
     def start(self, heights: Array, speeds: Array) -> None:
-        """Put the robot into a state; nut heights [m] and speeds [m/s], each (3,)."""
+        """Set the state: nut heights [m] and speeds [m/s], each (3,)."""
         self.state = np.concatenate([heights, speeds])
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:

@@ -1,22 +1,24 @@
 r"""The workspace of the robot.
 
-What every pose costs in parasitic motion, arm length and conditioning, and where the poses end.
+The module computes the parasitic motion, arm lengths and conditioning of every pose, and the
+borders of the workspace.
 
-Only differences of the nut heights matter here: lifting all nuts together lifts the star and
-changes nothing else. Two borders bound the orientation of the star:
+Only differences of the nut heights matter: lifting all nuts together lifts the star and changes
+nothing else. There are two borders of the orientation of the star:
 
-* an arm length vanishes, see :func:`largest_tilt`: the machine ends, at a tilt of 70.53° or more;
-* the map from star orientation to the tip's horizontal position folds, see :func:`fold_tilt`:
-  orientations beyond can be taken, but the tip comes back from the border of its reach,
+* an arm length becomes zero, see :func:`largest_tilt`: the mechanical limit, at a tilt of 70.53° or
+more; * the map from star orientation to the tip's horizontal position folds, see :func:`fold_tilt`:
+  orientations beyond it are possible, but the tip then moves back from the border of its reach,
   :func:`reach_boundary`, and no longer determines the pose.
 
 Between them there is no singularity of actuation: :attr:`WorkspaceMap.actuation_determinant` stays
-positive. The model with fifteen coordinates, whose ball joints are three hinges each, adds one that
-the machine does not have, where the middle hinge is at ±90°: :attr:`WorkspaceMap.hinge_angle` says
-how near that is, and :attr:`WorkspaceMap.closure_condition` what it costs in digits.
+positive. In the model with fifteen coordinates, each ball joint is three hinges. This adds a
+singularity that the machine does not have, with the middle hinge at ±90°.
+:attr:`WorkspaceMap.hinge_angle` shows how near it is, and :attr:`WorkspaceMap.closure_condition`
+the loss of digits.
 
-:mod:`psp3.kinematics.singularities` and :mod:`psp3.kinematics.workspace` ask the same of any robot,
-without closed forms.
+:mod:`psp3.kinematics.singularities` and :mod:`psp3.kinematics.workspace` compute the same for any
+robot, without closed forms.
 """
 
 from __future__ import annotations
@@ -32,14 +34,14 @@ from psp3.three_psp.geometry import SCREW_AZIMUTHS
 from psp3.three_psp.robot import PSP3
 
 BISECTIONS = 60
-"""Halvings of an interval of angles: more than double precision can tell apart."""
+"""Number of bisections of an interval of angles: more than double precision can resolve."""
 
 
 @dataclass(frozen=True)
 class WorkspaceMap:
-    """What a set of poses costs; each field has the leading dimensions of the poses.
+    """Properties of a set of poses; each field has the leading dimensions of the poses.
 
-    Where there is no such pose, all but ``tilt`` and ``azimuth`` are NaN.
+    If a pose does not exist, all fields but ``tilt`` and ``azimuth`` are NaN.
 
     Parameters
     ----------
@@ -70,8 +72,8 @@ class WorkspaceMap:
         Condition number (2-norm) of the columns of the constraint Jacobian that belong to the
         joints without a motor, in m and rad.
     travel : (...,) ndarray
-        How far the star can be lifted at this orientation before a nut meets the end of its screw,
-        from one end to the other; negative if the stroke is too short for the orientation [m].
+        Range of heights of the star at this orientation within the ends of the screws; negative if
+        the stroke is too short for the orientation [m].
     """
 
     heights: Array
@@ -113,7 +115,7 @@ def tilt_and_azimuth(rotation: ArrayLike) -> tuple[Array, Array]:
 
 
 def map_at_heights(robot: PSP3, heights: ArrayLike) -> WorkspaceMap:
-    r"""Return what poses cost, given by nut heights.
+    r"""Return the properties of poses that are given by nut heights.
 
     The six wrenches of the ball joints, two for each arm, across it and along the normal of the
     star's plane, have the determinant :math:`\sqrt3\, s A`, with :math:`s` the sum of the arm
@@ -170,7 +172,7 @@ def map_at_heights(robot: PSP3, heights: ArrayLike) -> WorkspaceMap:
 
 
 def map_over_tilt(robot: PSP3, tilt: ArrayLike, azimuth: ArrayLike) -> WorkspaceMap:
-    """Return what the orientations of the star cost, with its center at the height 0.
+    """Return the properties of orientations of the star, with its center at the height 0.
 
     Parameters
     ----------
@@ -184,7 +186,7 @@ def map_over_tilt(robot: PSP3, tilt: ArrayLike, azimuth: ArrayLike) -> Workspace
     Returns
     -------
     WorkspaceMap
-        Fields with the broadcast dimensions; NaN where an arm length would not be positive.
+        Fields with the broadcast dimensions; NaN if an arm length would not be positive.
 
     Raises
     ------
@@ -198,8 +200,7 @@ def map_over_tilt(robot: PSP3, tilt: ArrayLike, azimuth: ArrayLike) -> Workspace
     if theta.size and not (theta.min() >= 0.0 and theta.max() < 0.5 * np.pi):
         wrong = theta.min() if theta.min() < 0.0 else theta.max()
         raise InvalidValue("tilt", float(wrong), "at least 0 and less than 90 degrees (pi/2 rad)")
-    # On the border itself an arm vanishes, and rounding would decide on which side of it a pose
-    # falls.
+    # On the border itself an arm length is zero, and rounding would decide whether a pose is valid.
     rows = np.flatnonzero(theta <= largest_tilt(phi) - 1e-12)
     some = map_at_heights(
         robot, robot.inverse_kinematics(0.0, theta.reshape(-1)[rows], phi.reshape(-1)[rows])
@@ -214,11 +215,11 @@ def map_over_tilt(robot: PSP3, tilt: ArrayLike, azimuth: ArrayLike) -> Workspace
 
 
 def map_over_reach(robot: PSP3, share: ArrayLike, azimuth: ArrayLike) -> WorkspaceMap:
-    """Return what the tip positions within reach cost, with the star's center at the height 0.
+    """Return the properties of tip positions within reach, with the star's center at the height 0.
 
-    The poses are those of the branch that is connected to home. They are spread over the
-    orientations of the star rather than over a square grid, so that they follow the border of the
-    reach: row by row the tip moves from the vertical axis to the border.
+    The poses are those of the branch that is connected to home. The grid is over orientations of
+    the star, not over tip positions, so that it follows the border of the reach: in each row the
+    tip moves from the vertical axis to the border.
 
     Parameters
     ----------
@@ -254,12 +255,12 @@ def map_over_reach(robot: PSP3, share: ArrayLike, azimuth: ArrayLike) -> Workspa
 def largest_tilt(azimuth: ArrayLike) -> Array:
     r"""Return the tilt at which an arm length vanishes.
 
-    For the direction toward which the star leans.
+    It depends on the direction toward which the star leans.
 
     .. math:: \tan^2(\theta/2) = -1 / \big(2 \min_k \cos(2\phi + \alpha_k)\big)
 
-    from the arm lengths of :func:`psp3.three_psp.geometry.heights_of_tilt`. It depends on no
-    dimension of the robot.
+    This follows from the arm lengths of :func:`psp3.three_psp.geometry.heights_of_tilt`. It does
+    not depend on the dimensions of the robot.
 
     Parameters
     ----------
@@ -295,8 +296,8 @@ def fold_tilt(robot: PSP3, azimuth: ArrayLike) -> Array:
     Returns
     -------
     (...,) ndarray
-        Tilt at the fold, 33° to 38° for the thesis's robot [rad]; the largest tilt where a long
-        tool never folds.
+        Tilt at the fold, 33° to 38° for the thesis's robot [rad]; the largest tilt if the map of a
+        long tool has no fold.
 
     Raises
     ------
@@ -305,10 +306,9 @@ def fold_tilt(robot: PSP3, azimuth: ArrayLike) -> Array:
     """
     _check_psp3(robot)
     (phi,) = _angles(azimuth=azimuth)
-    # Short of the tilt where an arm vanishes: beyond it there is no Jacobian.
+    # Slightly below the tilt where an arm length is zero, because there is no Jacobian beyond it.
     end = largest_tilt(phi) * (1.0 - 1e-9)
-    # A second root, where there is one, lies far behind the first: sixteen steps do not jump over
-    # both.
+    # If there is a second root, it is far beyond the first, so sixteen steps do not skip both.
     scan = end[..., np.newaxis] * np.linspace(0.0, 1.0, 17)
     folded = _tip_determinant(robot, scan, phi[..., np.newaxis]) <= 0.0
     first = np.where(folded.any(axis=-1), folded.argmax(axis=-1), 16)
@@ -325,11 +325,11 @@ def fold_tilt(robot: PSP3, azimuth: ArrayLike) -> Array:
 def reach_boundary(robot: PSP3, azimuth: ArrayLike) -> Array:
     r"""Return the horizontal border of the tip's reach.
 
-    There the star leans toward given directions.
+    The star leans toward the given directions.
 
-    The border is a curve with three cusps, at the azimuths 60°, 180° and 300°. It comes nearest to
-    the vertical axis at the azimuths of the screws, :math:`\sqrt{h^2 + d^2/4} - d/2`.
-    :meth:`psp3.PSP3.tip_reach` gives its distance by the tip's azimuth.
+    The border is a curve with three cusps, at the azimuths 60°, 180° and 300°. It is nearest to the
+    vertical axis at the azimuths of the screws, at the distance :math:`\sqrt{h^2 + d^2/4} - d/2`.
+    :meth:`psp3.PSP3.tip_reach` gives the distance for an azimuth of the tip.
 
     Parameters
     ----------
@@ -384,4 +384,6 @@ def _angles(**arguments: ArrayLike) -> list[Array]:
     try:
         return [array.copy() for array in np.broadcast_arrays(*arrays)]
     except ValueError as error:
-        raise InvalidArray(" and ".join(arguments), "(...,) that go together", arrays[0]) from error
+        raise InvalidArray(
+            " and ".join(arguments), "(...,) that can be broadcast", arrays[0]
+        ) from error

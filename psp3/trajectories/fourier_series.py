@@ -1,9 +1,9 @@
 r"""Periodic motions of the actuated joints as finite Fourier series.
 
-And the series through noisy measurements of one.
+The module also fits a series to noisy measurements.
 
-A periodic motion is differentiated without delay and without amplifying noise by differentiating
-the series fitted to it (J. Swevers, C. Ganseman, D. B. Tükel, J. De Schutter and H. Van Brussel,
+Differentiating the fitted series gives the derivatives of a periodic motion without delay and
+without amplified noise (J. Swevers, C. Ganseman, D. B. Tükel, J. De Schutter and H. Van Brussel,
 Optimal robot excitation and identification, IEEE Transactions on Robotics and Automation, 1997).
 """
 
@@ -80,7 +80,7 @@ class FourierSeries(Trajectory):
     def joints(self, t: ArrayLike) -> tuple[Array, Array, Array]:
         """Return positions, speeds and accelerations (..., n) of the joints at times (...,).
 
-        Whether or not the robot can take them.
+        They are returned even if the robot cannot take them.
 
         Raises
         ------
@@ -98,11 +98,11 @@ class FourierSeries(Trajectory):
 
 
 def fourier_terms(t: ArrayLike, period: float, harmonics: int) -> tuple[Array, Array, Array]:
-    """Return the terms of a Fourier series at times (...,) and two derivatives.
+    """Return the terms of a Fourier series at times (...,) and their first two derivatives.
 
-    The first and the second one; each is (..., 2 H + 1).
+    Each of the three is (..., 2 H + 1).
 
-    First the constant, then the sines, then the cosines.
+    The order is the constant, the sines, the cosines.
     """
     times = np.asarray(t, dtype=np.float64)[..., np.newaxis]
     rates = 2.0 * np.pi / period * np.arange(1, harmonics + 1)
@@ -115,7 +115,7 @@ def fourier_terms(t: ArrayLike, period: float, harmonics: int) -> tuple[Array, A
 
 
 class FittedSeries(NamedTuple):
-    """A series through measured positions, ``.motion``, with what the measurements leave uncertain.
+    """A series near measured positions, ``.motion``, with its uncertainty.
 
     ``noise`` (n,) is the standard deviation of the measured positions about it [m or rad];
     ``covariance`` (2 H + 1, 2 H + 1) that of the coefficients of a joint for noise of standard
@@ -137,13 +137,12 @@ def fit_fourier_series(
     t : (N,) array_like
         Times of the measurements [s], over a period or more for a well-determined series.
     positions : (N, n) array_like
-        Measured positions of the actuated joints [m or rad], whose errors are taken to be
+        Measured positions of the actuated joints [m or rad], whose errors are assumed to be
         independent.
     period : float
         Time after which the motion repeats [s].
     harmonics : int
-        Number H of harmonics to be fitted. Too few leave a part of the motion out, too many let
-        noise in.
+        Number H of fitted harmonics. Too few omit a part of the motion, and too many include noise.
     robot : Robot
         Whose motion it is.
 
@@ -167,7 +166,7 @@ def fit_fourier_series(
     terms, _, _ = fourier_terms(times, period, harmonics)
     left, values, right = np.linalg.svd(terms, full_matrices=False)
     rank = numerical_rank(values)
-    # One measurement more than coefficients, so that there is something to tell the noise from.
+    # One more measurement than coefficients is needed to estimate the noise.
     if rank < count or times.size <= count:
         raise PoorExcitation(
             "Fourier coefficients and their noise", min(rank, times.size - 1), count

@@ -1,4 +1,4 @@
-"""What a trajectory returns, and what every trajectory checks."""
+"""The result of a trajectory, and the checks of all trajectories."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from psp3.robots.robot import Robot
 class Motion(NamedTuple):
     """Positions of the n actuated joints with their speeds and accelerations, and the tip.
 
-    The first three are of shape (..., n) [m or rad, per s, per s²]; of the 3-PSP they are nut
-    heights and their rates. The tip is of shape (..., 3) [m], NaN of a robot without a frame
+    The first three are of shape (..., n) [m or rad, per s, per s²]; for the 3-PSP they are nut
+    heights and their rates. The tip is of shape (..., 3) [m]; it is NaN if the robot has no frame
     ``tip``.
     """
 
@@ -27,7 +27,7 @@ class Motion(NamedTuple):
 
     @property
     def heights(self) -> Array:
-        """The positions, by their name of the 3-PSP."""
+        """The positions, under their name for the 3-PSP."""
         return self.positions
 
 
@@ -41,9 +41,9 @@ def tip_of(robot: Robot, positions: Array) -> Array:
 
 
 def completed(robot: Robot, positions: Array) -> Array:
-    """Return positions (..., k) with those of coordinates that follow, (..., p).
+    """Add the positions of coordinates that follow to (..., k); return (..., p).
 
-    They are where they are in the reference pose.
+    These have their positions in the reference pose.
     """
     k, p = np.shape(positions)[-1:], len(robot.reference)
     if k not in ((p,), (robot.commanded,)):
@@ -56,9 +56,9 @@ def completed(robot: Robot, positions: Array) -> Array:
 
 
 def check_stroke(robot: Robot, t: Array, motion: Motion) -> None:
-    """Raise :class:`StrokeExceeded` where a motion leaves the limits.
+    """Raise :class:`StrokeExceeded` if a motion leaves the limits.
 
-    At the first time; the limits are those of the actuated joints.
+    The error names the first time; the limits are those of the actuated joints.
     """
     checked_robot(robot)
     checked_kind("motion", motion, Motion, "what a trajectory returns, a Motion")

@@ -13,7 +13,7 @@ from psp3.trajectories.trajectory import Trajectory
 
 
 def _home(robot: Robot) -> Array:
-    """Tip of a robot in its home pose."""
+    """Return the tip of a robot in its home pose."""
     return robot.tip(robot.reference)
 
 
@@ -26,7 +26,7 @@ class Helix(Trajectory):
     Parameters
     ----------
     radius : float
-        Radius r [m]. The tip's reach is least at the azimuths of the screws, 23.9 mm.
+        Radius r [m]. The tip's reach is smallest at the azimuths of the screws, 23.9 mm.
     period : float
         Time T for one turn [s].
     rise : float
@@ -102,8 +102,8 @@ class Hold(Trajectory):
     Parameters
     ----------
     point : array_like, optional
-        Where the tip is, (3,) [m], or the actuated joints are, (n,) [m or rad]; by default those of
-        the home or reference pose.
+        Position of the tip, (3,) [m], or of the actuated joints, (n,) [m or rad]; by default that
+        of the home or reference pose.
     robot, space
         See :class:`Trajectory`.
     """
@@ -153,7 +153,7 @@ class _Segment(Trajectory):
         return {"start": self.start, "end": self.end}
 
     def _progress(self, x: Array) -> tuple[Array, Array, Array]:
-        """Share of the way at the share x of the time, with its first and second derivative.
+        """Return the share of the way at the share x of the time, with its first two derivatives.
 
         Both shares are within [0, 1].
         """
@@ -182,7 +182,7 @@ class Line(_Segment):
     start, end : array_like
         Tip, (3,) [m], or actuated joints, (n,) [m or rad], at time 0 and at time ``duration``.
     duration : float
-        Time T for the way [s].
+        Time T from start to end [s].
     robot, space
         See :class:`Trajectory`.
     """
@@ -194,7 +194,7 @@ class Line(_Segment):
 class PointToPoint(_Segment):
     r"""A straight line from rest to rest with continuous acceleration.
 
-    The quintic :math:`s = 10x^3 - 15x^4 + 6x^5`, :math:`x = t/T`.
+    The progress is the quintic :math:`s = 10x^3 - 15x^4 + 6x^5`, :math:`x = t/T`.
 
     Parameters
     ----------

@@ -21,16 +21,16 @@ from psp3.trajectories.smoothing import LEAST_MEASUREMENTS, smoothed_motion
 from psp3.trajectories.trajectory import Trajectory
 
 LEAST_GAP = 1e-9
-"""Times nearer to each other than this share of the whole are one time, written twice."""
+"""Times closer to each other than this share of the whole duration count as the same time."""
 
 MOST_MISSED = 1e-9
-"""A spline goes through its points but for this share of the largest; rounding leaves 1e-15 where
-times are even. Where some are 1e6 times as far from each other as others, the curve swings out
-farther than its numbers have digits.
+"""Largest error of a spline at its points, as a share of the largest coordinate. With even times,
+rounding leaves 1e-15. If some intervals are 1e6 times as long as others, the curve overshoots so
+far that its numbers lose all digits.
 """
 
 MOST_ROWS = 1_000_000
-"""Rows of a file."""
+"""The largest number of rows of a file."""
 
 
 class Waypoints(Trajectory):
@@ -55,8 +55,8 @@ class Waypoints(Trajectory):
     InvalidArray
         If an array is not finite or has another shape.
     InvalidValue
-        If the times do not increase, or two are so near to each other, or numbers so large, that
-        the curve is none.
+        If the times do not increase, or there is no finite curve because two times are too close or
+        numbers too large.
     """
 
     def __init__(
@@ -82,8 +82,8 @@ class FromCSV(Trajectory):
     """A recorded motion from a CSV file, smoothed by a cubic spline through its rows.
 
     The first line names the columns: ``t,x,y,z`` for a path of the tip, or ``t`` and the names of
-    the actuated joints, ``t,a1,a2,a3`` for nut heights; seconds, meters and radians, other columns
-    are ignored. Before the first and after the last row the robot rests there.
+    the actuated joints, ``t,a1,a2,a3`` for nut heights; in seconds, meters and radians. Other
+    columns are ignored. Before the first row and after the last row the robot rests.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ class FromCSV(Trajectory):
     duration : float
         Time of the last row [s].
     space : str
-        ``"tip"`` or ``"joints"``, whichever columns the file has.
+        ``"tip"`` or ``"joints"``, depending on the columns of the file.
 
     Raises
     ------
@@ -127,7 +127,7 @@ class FromCSV(Trajectory):
 
 
 class MeasuredMotion(NamedTuple):
-    """What was measured, sample by sample: times (N,), and the rest (N, n), motor by motor.
+    """Measured samples: times (N,), and for each motor the other quantities (N, n).
 
     ``t`` [s], ``positions`` [m or rad], ``speeds``, ``accelerations`` [per s, per s²] and
     ``forces`` [N or N m].
@@ -141,20 +141,20 @@ class MeasuredMotion(NamedTuple):
 
 
 def measured_motion(path: str | Path, robot: Robot) -> MeasuredMotion:
-    """Return the motion and the forces that a CSV file has recorded.
+    """Return the recorded motion and forces of a CSV file.
 
     The first line names the columns: ``t``, the motors and their forces, ``t,A,B,force_A,force_B``
     of motors A and B, or ``t,a1,a2,force1,force2`` as ``psp3 simulate --csv`` and ``psp3 torques
-    --csv`` write; seconds, meters, radians, N and N m, other columns are ignored. Positions, speeds
-    and accelerations are those of the smooth curve through the measured positions that
-    cross-validation chooses (:mod:`psp3.trajectories.smoothing`); forces are as measured.
+    --csv`` write; in seconds, meters, radians, N and N m. Other columns are ignored. Positions,
+    speeds and accelerations are those of a smooth curve near the measured positions, which
+    cross-validation selects (:mod:`psp3.trajectories.smoothing`). Forces are as measured.
 
     Parameters
     ----------
     path : path
         The file, with at least twelve rows of strictly increasing times.
     robot : Robot
-        Whose motion it is.
+        The robot that moves.
 
     Returns
     -------
@@ -206,7 +206,7 @@ def _knots(times: ArrayLike, points: ArrayLike, width: int, minimum: int) -> tup
 
 
 def _spline(knots: Array, values: Array, ends: str) -> Any:
-    """Return the cubic spline through points, whose numbers must all be finite."""
+    """Return the cubic spline through points; raise if its numbers are not all finite."""
     from scipy.interpolate import CubicSpline
 
     try:
@@ -219,7 +219,7 @@ def _spline(knots: Array, values: Array, ends: str) -> Any:
             "points",
             float(np.abs(values).max()),
             f"such that a smooth curve goes through them in {knots[-1] - knots[0]:.6g} s: its "
-            "speeds or accelerations are no finite numbers",
+            "speeds or accelerations are not finite",
         )
     missed = _missed(spline, values)
     if missed.max() > MOST_MISSED * np.abs(values).max():
@@ -235,14 +235,14 @@ def _spline(knots: Array, values: Array, ends: str) -> Any:
 
 
 def _missed(spline: Any, values: Array) -> Array:
-    """Return by how much each piece misses the point at its end: where it begins, it is exact."""
+    """Return the error of each piece at its end point; at its start point it is exact."""
     length = np.diff(spline.x)[:, np.newaxis]
     ends = ((spline.c[0] * length + spline.c[1]) * length + spline.c[2]) * length + spline.c[3]
     return np.asarray(np.abs(ends - values[1:]).max(axis=1))
 
 
 def _spline_motion(spline: object, t: Array) -> tuple[Array, Array, Array]:
-    """Value and two derivatives of a spline, at rest outside its knots."""
+    """Return the value and two derivatives of a spline, at rest outside its knots."""
     first, last = spline.x[0], spline.x[-1]  # type: ignore[attr-defined]
     moving = ((t >= first) & (t <= last))[..., np.newaxis]
     inside = np.clip(t, first, last)
@@ -251,7 +251,7 @@ def _spline_motion(spline: object, t: Array) -> tuple[Array, Array, Array]:
 
 
 def _read_table(path: Path, known: dict[str, tuple[str, ...]]) -> tuple[str, Array]:
-    """Which of the known sets of columns a trajectory file has, and its rows."""
+    """Return which of the known sets of columns a trajectory file has, and its rows."""
     try:
         text = content_of(path, LARGEST_NUMBERS).decode("utf-8-sig")
         lines = csv.reader(io.StringIO(text, newline=""), strict=True)
@@ -296,7 +296,7 @@ def _known_columns(
 def _row(
     path: Path, line: int, cells: list[str], header: list[str], places: list[int]
 ) -> list[float]:
-    """Return the numbers in some places of a row, which must have as many cells as the header."""
+    """Return the numbers at some places of a row, which must have as many cells as the header."""
     written = ",".join(cells)[:LONGEST_SHOWN]
     if len(cells) != len(header):
         raise InvalidTrajectoryFile(

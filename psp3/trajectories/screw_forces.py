@@ -1,8 +1,8 @@
 r"""From a motion of the tip to the forces of the screws.
 
-It is the thesis's inverse dynamics (Figures 27, 28 and 31).
+This is the thesis's inverse dynamics (Figures 27, 28 and 31).
 
-Inverse kinematics turns the tip's path into nut heights, their rates follow, and the equation of
+Inverse kinematics gives the nut heights and their rates along the tip's path, and the equation of
 motion gives the forces:
 
 .. math:: \tau = M(a)\, \ddot a + C(a, \dot a)\, \dot a + G(a) \qquad \text{(eq. 3.1)}
@@ -24,7 +24,7 @@ from psp3.trajectories.trajectory import Trajectory
 
 @dataclass(frozen=True)
 class ScrewForces:
-    """A motion with the screw forces that it takes, sampled in time.
+    """A motion with its screw forces, sampled in time.
 
     Parameters
     ----------
@@ -33,8 +33,8 @@ class ScrewForces:
     motion : Motion
         ``.positions .speeds .accelerations .tip``, each (N, 3).
     inertial, coriolis, gravity : (N, 3) ndarray
-        The three terms of eq. 3.1 [N]. Of a robot with more motors than coordinates those of the
-        motors, each of least norm.
+        The three terms of eq. 3.1 [N]. If a robot has more motors than coordinates, they are those
+        of the motors, each with the least norm.
     """
 
     t: Array
@@ -56,8 +56,8 @@ class ScrewForces:
         -------
         dict of str to ndarray
             ``t``, the tip ``x y z``, then ``a1 a2 a3`` and likewise ``speed``, ``acceleration`` and
-            ``force``. With the names as first line this is a file that
-            :class:`psp3.trajectories.recorded.FromCSV` reads.
+            ``force``. With the names as the first line, :class:`psp3.trajectories.recorded.FromCSV`
+            can read the table.
         """
         columns = {"t": self.t, **dict(zip("xyz", self.motion.tip.T, strict=True))}
         for name, values in (
@@ -73,7 +73,7 @@ class ScrewForces:
 def screw_forces(
     trajectory: Trajectory, t: ArrayLike, model: DynamicsModel | None = None
 ) -> ScrewForces:
-    """Return the screw forces that a trajectory takes.
+    """Return the screw forces of a trajectory.
 
     Parameters
     ----------
@@ -82,8 +82,8 @@ def screw_forces(
     t : (N,) array_like
         Times [s].
     model : DynamicsModel, optional
-        Where M, C and G come from: the trajectory's robot in closed form by default;
-        ``robot.dynamics("noc")`` is the thesis's own way.
+        Model that gives M, C and G; by default the trajectory's robot in closed form.
+        ``robot.dynamics("noc")`` is the thesis's own method.
 
     Returns
     -------
@@ -94,7 +94,7 @@ def screw_forces(
     InvalidArray
         If the times are not finite or not a list.
     InvalidValue
-        If some of the robot's coordinates follow as forces let them.
+        If some of the robot's coordinates are not commanded by its motors.
     UnreachableTip, StrokeExceeded
         If the robot cannot make the motion.
     """

@@ -1,12 +1,12 @@
-r"""Speeds and accelerations from measured positions: the quintic spline through their noise.
+r"""Speeds and accelerations from noisy measured positions: a smoothing quintic spline.
 
-Of N measurements y of a coordinate the spline s of p coefficients minimizes the sum of squares, and
-p minimizes what leaving out one measurement after the other would miss (generalized
-cross-validation),
+The spline s with p coefficients minimizes the sum of squared errors at N measurements y of a
+coordinate. The number p minimizes an estimate of the errors at measurements that are left out one
+at a time (generalized cross-validation),
 
 .. math:: V(p) = \frac{N \sum_i (y_i - s(t_i))^2}{(N - p)^2}.
 
-The second derivative of a quintic spline is a cubic one, so that accelerations are smooth, too.
+The second derivative of a quintic spline is a cubic spline, so accelerations are smooth, too.
 
 Source: P. Craven and G. Wahba, "Smoothing noisy data with spline functions", Numerische Mathematik
 31, 1979, for the criterion; P. H. C. Eilers and B. D. Marx, "Flexible smoothing with B-splines and
@@ -24,40 +24,42 @@ from psp3.checks import Array
 from psp3.errors import InvalidValue
 
 DEGREE = 5
-"""Of the spline."""
+"""Degree of the spline."""
 
 LEAST_MEASUREMENTS = 2 * (DEGREE + 1)
-"""Measurements that tell a polynomial of that degree from noise."""
+"""The smallest number of measurements that distinguishes a polynomial of that degree from noise."""
 
 TRIED = 24
-"""Numbers of pieces that are tried, from one piece to a coefficient for every other measurement."""
+"""How many numbers of pieces are tried, from one piece to a coefficient for every other
+measurement.
+"""
 
 
 def smoothed_motion(t: Array, positions: Array) -> Callable[[Array], tuple[Array, Array, Array]]:
-    """Return what says positions, speeds and accelerations (M, n) at times (M,).
+    """Return a function for positions, speeds and accelerations (M, n) at times (M,).
 
     Parameters
     ----------
     t : (N,) ndarray
         Increasing times of the measurements, at least :data:`LEAST_MEASUREMENTS` [s].
     positions : (N, n) ndarray
-        Measured positions [m or rad], whose errors are taken to be independent.
+        Measured positions [m or rad], whose errors are assumed to be independent.
 
     Raises
     ------
     InvalidValue
-        If no curve of finite speeds and accelerations goes near them.
+        If no curve with finite speeds and accelerations is near them.
     """
     from scipy.interpolate import make_lsq_spline
 
     count, n = positions.shape
-    # Lengths and times near 1, so that a spline of degree 5 keeps its digits.
+    # Lengths and times are scaled to about 1, so that a spline of degree 5 loses no digits.
     start, length = t[0], t[-1] - t[0]
     knots_at = (t - start) / length
     best = np.full(n, np.inf)
     chosen: list[Any] = [None] * n
     for pieces in np.unique(np.geomspace(1, count // 2 - DEGREE, TRIED).round().astype(int)):
-        # As many measurements in every piece, so that all coefficients are determined.
+        # All pieces have the same number of measurements, so that all coefficients are determined.
         inner = np.interp(
             np.arange(1, pieces) * (count - 1) / pieces, np.arange(float(count)), knots_at
         )
@@ -83,7 +85,7 @@ def smoothed_motion(t: Array, positions: Array) -> Callable[[Array], tuple[Array
             "positions",
             float(np.abs(positions).max()),
             f"such that a smooth curve goes near them in {length:.6g} s: its speeds or "
-            "accelerations are no finite numbers",
+            "accelerations are not finite",
         )
 
     def motion(times: Array) -> tuple[Array, Array, Array]:

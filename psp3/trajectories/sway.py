@@ -21,18 +21,18 @@ from psp3.trajectories.fourier_series import FourierSeries
 from psp3.trajectories.trajectory import Trajectory
 
 LARGEST = 0.4
-"""No joint is moved by more than this to begin with [rad, or sizes of the robot]."""
+"""Largest initial amplitude of a joint [rad, or sizes of the robot]."""
 
 ROOM = 0.3
-"""Nor by more than this share of the way to its nearer limit, or of its whole range where the
-reference is at a limit.
+"""Largest initial amplitude as a share of the distance to the nearer limit, or of the whole range
+if the reference is at a limit.
 """
 
 AT_A_LIMIT = 0.02
-"""So near to a limit, as a share of the range, a joint only moves away from it."""
+"""A joint that is closer to a limit than this share of its range only moves away from it."""
 
 SAMPLES = 64
-"""Times at which it is looked whether the robot can make the motion."""
+"""Number of times at which the motion is checked."""
 
 HALVINGS = 8
 
@@ -44,25 +44,25 @@ NO_POSE = (
     StrokeExceeded,
     UnreachablePose,
 )
-"""What says that a robot cannot make a motion."""
+"""Errors that mean that a robot cannot make a motion."""
 
 
 class Sway(FourierSeries):
-    r"""A periodic motion of all n joints that motors command, from rest, each in its own phase.
+    r"""A periodic motion from rest of all n joints that motors command, each with its own phase.
 
     .. math:: a_i(t) = a_i(0) + A_i \big( \cos \varphi_i (1 - \cos \omega t)
               + \sin \varphi_i (\sin \omega t - \tfrac12 \sin 2 \omega t) \big), \qquad
               \varphi_i = 2 \pi i / n, \quad \omega = 2 \pi / T
 
     It starts and returns with speed zero. A joint whose reference is at a limit only moves away
-    from it, with :math:`\varphi_i` of 0 or :math:`\pi`. Of a robot whose coordinates are not its
-    motors these are the first coordinates, as many as ``robot.commanded``; the others follow.
+    from it, with :math:`\varphi_i` of 0 or :math:`\pi`. If the coordinates of a robot are not its
+    motors, the first ``robot.commanded`` coordinates move in this way, and the others follow.
 
     Parameters
     ----------
     amplitude : float, optional
-        Amplitude A of all joints [m or rad]. By default each joint's is chosen from its limits and
-        the robot's size, and then all are halved until the robot can make the motion.
+        Amplitude A of all joints [m or rad]. By default each joint's amplitude depends on its
+        limits and the robot's size, and all are halved until the robot can make the motion.
     period : float
         Time T after which the motion repeats [s].
     robot : Robot, optional
@@ -113,7 +113,7 @@ class Sway(FourierSeries):
 
 
 def _phases(home: Array, lower: Array, upper: Array) -> Array:
-    """Return the phases of the joints: away from the limit where one is at a limit."""
+    """Return the phases of the joints; a joint at a limit moves away from it."""
     phases = 2.0 * np.pi * np.arange(len(home)) / len(home)
     near = AT_A_LIMIT * _range(lower, upper)
     phases = np.where(np.isfinite(near) & (home - lower <= near), 0.0, phases)
@@ -121,7 +121,7 @@ def _phases(home: Array, lower: Array, upper: Array) -> Array:
 
 
 def _amplitudes(robot: Robot, home: Array, lower: Array, upper: Array) -> Array:
-    """Return amplitudes that limits and size allow; the loops are not checked."""
+    """Return amplitudes that limits and size allow, without a check of the loops."""
     room = np.minimum(home - lower, upper - home)
     between = _range(lower, upper)
     at_a_limit = room <= AT_A_LIMIT * between
@@ -132,7 +132,7 @@ def _amplitudes(robot: Robot, home: Array, lower: Array, upper: Array) -> Array:
 
 
 def _range(lower: Array, upper: Array) -> Array:
-    """Return how far limits are from one another; the largest numbers are Pinocchio's for none."""
+    """Return the distances between limits; Pinocchio represents no limit as the largest number."""
     with np.errstate(over="ignore"):
         between: Array = upper - lower
     return between

@@ -1,11 +1,12 @@
 """Desired motions of the tip or of the joints.
 
-Those of the tip along a path become nut heights with their rates by inverse kinematics.
+Inverse kinematics converts a path of the tip to nut heights with their rates.
 
-A trajectory is called with a time or an array of times and returns a :class:`Motion`. The tip's are
-those of the 3-PSP, whose inverse kinematics is known; motions of the actuated joints are those of
-any robot. A path that the robot cannot follow is an error of that call; :meth:`Trajectory.check`
-also looks at the limits of the actuated joints, and a simulation does so before it starts.
+A trajectory is called with a time or an array of times and returns a :class:`Motion`. Paths of the
+tip are for the 3-PSP only, because its inverse kinematics is known; paths of the actuated joints
+are for any robot. The call raises an error if the robot cannot follow the path.
+:meth:`Trajectory.check` also checks the limits of the actuated joints, and a simulation does so
+before it starts.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from psp3.robots.robot import Robot
 from psp3.trajectories.motion import Motion, check_stroke, completed, finite_times, tip_of
 
 SPACES = ("tip", "joints")
-"""Names of the spaces in which a path can be given."""
+"""Names of the spaces of a path."""
 
 
 @cache
@@ -37,28 +38,28 @@ def _default_robot() -> Robot:
 class Trajectory(Described):
     """Base of the trajectories: a path in time, of the tip or of the actuated joints.
 
-    A subclass gives ``_path(t)``, the position on the path with its velocity and acceleration. What
-    moves otherwise overrides ``__call__``.
+    A subclass implements ``_path(t)``, the position on the path with its velocity and acceleration,
+    or overrides ``__call__``.
 
     Parameters
     ----------
     robot : Robot, optional
-        Whose motion it is; ``psp3.load("psp3")`` by default.
+        The robot that moves; ``psp3.load("psp3")`` by default.
     space : str, optional
-        ``"tip"``, a path of the tip in base axes [m], or ``"joints"``, of the n actuated joints [m
-        or rad], or those coordinates that the motors command (``robot.commanded``). By default the
-        tip of a 3-PSP, and the joints of any other robot.
+        ``"tip"``, a path of the tip in base axes [m], or ``"joints"``, a path of the n actuated
+        joints [m or rad], or of the coordinates that the motors command (``robot.commanded``). The
+        default is the tip for a 3-PSP, and the joints for any other robot.
 
     Raises
     ------
     UnknownName
         If there is no such space.
     InvalidValue
-        If the path is to be one of the tip, and the robot is not a 3-PSP.
+        If the path is one of the tip and the robot is not a 3-PSP.
     """
 
     duration: float | None = None
-    """Time after which the robot rests, None if it never does [s]."""
+    """Time after which the robot rests [s]; None if it never does."""
 
     def __init__(self, robot: Robot | None = None, space: str | None = None) -> None:
         if robot is not None:
@@ -72,7 +73,7 @@ class Trajectory(Described):
             raise InvalidValue(
                 "space",
                 "tip",
-                "'joints' for another robot than the 3-PSP, whose tip has an inverse kinematics",
+                "'joints': only the tip of the 3-PSP has an inverse kinematics",
             )
 
     def _facts(self) -> dict[str, Any]:
@@ -80,7 +81,7 @@ class Trajectory(Described):
         return {**self._shape(), "duration": duration, "space": self.space, "robot": self.robot}
 
     def _shape(self) -> dict[str, Any]:
-        """Return what a subclass says of its path, see :class:`Described`."""
+        """Return the parameters of a subclass's path, see :class:`Described`."""
         return {}
 
     @property
@@ -108,11 +109,11 @@ class Trajectory(Described):
         InvalidArray
             If a time is not finite.
         InvalidValue
-            If the motion is too fast or too long for numbers.
+            If the motion is too fast or too long for floating-point numbers.
         UnreachableTip
             If the tip would have to leave its reach.
         UnreachablePose, ClosureFailed, JointLimitExceeded
-            If the joints lead to a pose that the robot cannot take.
+            If the robot cannot take a pose of the joints.
         """
         point, velocity, acceleration = self._finite_path(finite_times(t))
         if self.space == "joints":
@@ -120,7 +121,7 @@ class Trajectory(Described):
         return Motion(*self.robot.motion_of_tip(point, velocity, acceleration), point)
 
     def _finite_path(self, t: Array) -> tuple[Array, Array, Array]:
-        """Return the path; raise :class:`InvalidValue` where its numbers overflow."""
+        """Return the path; raise :class:`InvalidValue` if its numbers overflow."""
         try:
             with np.errstate(all="ignore"):
                 path = self._path(t)
@@ -130,7 +131,7 @@ class Trajectory(Described):
             raise InvalidValue(
                 type(self).__name__,
                 "a motion whose numbers overflow",
-                "slower, of a longer period or duration, and not longer than numbers can say",
+                "slower, with a longer period or duration, or shorter if it is very long",
             )
         return path
 
@@ -147,7 +148,7 @@ class Trajectory(Described):
         t : (N,) array_like
             Times [s].
         clearance : float, optional
-            Least distance that links must keep from each other [m]; not looked at by default.
+            Smallest allowed distance between links [m]; not checked by default.
 
         Returns
         -------
@@ -161,7 +162,7 @@ class Trajectory(Described):
         StrokeExceeded
             If a nut would have to leave its screw, or another actuated joint its limits.
         CollisionFound
-            If two links would come nearer to each other than ``clearance``.
+            If two links would come closer to each other than ``clearance``.
         """
         motion = self(t)
         check_stroke(self.robot, np.asarray(t, dtype=float), motion)

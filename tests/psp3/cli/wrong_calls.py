@@ -33,7 +33,7 @@ WRONG_CALLS = tuple(
         ("check", "'FILE...'", "see psp3 check --help"),
         # Robots
         ("pose nosuch", "'nosuch'", ROBOTS),
-        ("pose nosuch", "'nosuch'", "of your own robot give the file: my_robot.urdf, or an .xml"),
+        ("pose nosuch", "'nosuch'", "for your own robot give the file: my_robot.urdf, or an .xml"),
         ("info nosuch.urdf", "nosuch.urdf", "correct its name, or give its folder, too"),
         ("info five_bar --free maybe", "'maybe'", "'lock', 'keep', 'refuse'"),
         ("info five_bar --actuated nosuch", "'nosuch'", "its joints are leg1_shoulder"),

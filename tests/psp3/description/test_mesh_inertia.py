@@ -92,7 +92,7 @@ def test_what_has_no_inertia_is_said() -> None:
         mesh_inertia(inside_out, "exact")
     one_wrong = mesh.faces.copy()
     one_wrong[0] = one_wrong[0, ::-1]
-    with pytest.raises(ValueError, match="not all turned alike"):
+    with pytest.raises(ValueError, match="not all oriented alike"):
         mesh_inertia(Mesh(mesh.vertices, one_wrong), "exact")
     flat = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))
     for kind in ("legacy", "exact"):

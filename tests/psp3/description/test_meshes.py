@@ -84,20 +84,20 @@ def test_a_polygon_is_cut_into_a_fan(tmp_path: Path) -> None:
 
 BAD = {
     "no.stl": (None, "No such file"),
-    "part.dae": (b"", "is no mesh that is read here; those end in .stl, .obj, .msh"),
+    "part.dae": (b"", "is not a supported mesh file; these end in .stl, .obj, .msh"),
     "pointer.stl": (b"version https://git-lfs.github.com/spec/v1", "neither the text form nor"),
     "short.stl": (binary_stl(VERTICES, FACES)[:-1], "neither the text form nor"),
     "two.stl": (b"solid\nvertex 0 0 0\nvertex 1 0 0\n", "a triangle without three corners"),
-    "word.stl": (b"solid\nvertex 0 0 x\n", "is no valid STL file"),
+    "word.stl": (b"solid\nvertex 0 0 x\n", "is not a valid STL file"),
     "empty.stl": (b"solid\nendsolid\n", "has no triangles"),
     "infinite.stl": (text_stl(np.full((3, 3), np.inf), np.array([[0, 1, 2]])), "not finite"),
     "empty.obj": (b"", "has no triangles"),
-    "word.obj": (b"v 0 0 zero\n", "is no valid OBJ file"),
-    "beyond.obj": (b"v 0 0 0\nf 1 2 3\n", "a vertex beyond its 1"),
+    "word.obj": (b"v 0 0 zero\n", "is not a valid OBJ file"),
+    "beyond.obj": (b"v 0 0 0\nf 1 2 3\n", "refers to a vertex beyond its 1"),
     "flat.obj": (b"v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", "beyond its 2"),
-    "short.msh": (b"1", "is no valid MSH file"),
+    "short.msh": (b"1", "is not a valid MSH file"),
     "negative.msh": (struct.pack("<4i", -1, 0, 0, 0), "a negative count"),
-    "long.msh": (msh(VERTICES, FACES) + b"1234", "a size that is not that of its counts"),
+    "long.msh": (msh(VERTICES, FACES) + b"1234", "its size does not match its counts"),
 }
 
 

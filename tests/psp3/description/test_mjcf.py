@@ -242,7 +242,7 @@ BAD = [
     (
         '<site name="top"/>',
         '<replicate count="1000"><replicate count="1000"><site/></replicate></replicate>',
-        "stands for more than 100000 elements",
+        "expands to more than 100000 elements",
     ),
     ('<site name="top"/>', '<frame childclass="no"><site/></frame>', "no default class 'no'"),
     (
@@ -418,7 +418,7 @@ BAD = [
     (
         '<motor joint="crank"/>',
         '<motor name="m" tendon="t"/>',
-        "actuator: <motor name='m'> drives tendon 't', which is no fixed tendon",
+        "actuator: <motor name='m'> drives tendon 't', which is not a fixed tendon",
     ),
     ("1 -0.6 1.2 -0.8", "1 -0.6 1.2", "<key name='home'>: qpos must hold 4 numbers, got 3"),
     ("1 -0.6 1.2 -0.8", "1 -0.6 nan -0.8", "qpos must be finite numbers"),

@@ -123,7 +123,7 @@ def test_a_ball_joint_needs_a_unit_quaternion(tmp_path: Path) -> None:
     rounded = "0.60000001 0 0 0.8"
     assert reference_poses(model, written(tmp_path / "good.srdf", pose.format(rounded)))
     for bad in ("1 0 0 0.8", "0.6001 0 0 0.8"):
-        with pytest.raises(InvalidRobotFile, match="no unit quaternion"):
+        with pytest.raises(InvalidRobotFile, match="not a unit quaternion"):
             reference_poses(model, written(tmp_path / "bad.srdf", pose.format(bad)))
 
 

@@ -74,9 +74,9 @@ def test_our_own_files_pass(path: Path) -> None:
         (
             "</visual></link>",
             "<inertial><mass value='1'/></inertial></visual></link>",
-            "<visual>: <inertial> has no place there",
+            "<visual>: <inertial> does not belong there",
         ),
-        ("</joint>", "<link name='lost'/></joint>", "<link name='lost'> has no place there"),
+        ("</joint>", "<link name='lost'/></joint>", "<link name='lost'> does not belong there"),
         ("<box size='1 2 3'/>", "<box size='1 2 3'/><sphere radius='1'/>", "a <visual> needs a"),
         ("type='revolute'", "type='screw'", "type 'screw' is unknown; known are revolute"),
         ("type='revolute'", "", "type None is unknown"),
@@ -178,7 +178,7 @@ def test_links_in_a_circle_are_refused(tmp_path: Path) -> None:
         )
 
     circle = f"<link name='a'/><link name='b'/>{fixed('a', 'b')}{fixed('b', 'a')}"
-    with pytest.raises(InvalidRobotFile, match="hangs on links that are children of each other"):
+    with pytest.raises(InvalidRobotFile, match="hangs on a circle of links"):
         check(tmp_path, f"<robot name='r'><link name='base'/>{circle}</robot>")
     with pytest.raises(InvalidRobotFile, match="but 0 have none: each is a child"):
         check(tmp_path, f"<robot name='r'>{circle}</robot>")
