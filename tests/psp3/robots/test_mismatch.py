@@ -53,7 +53,7 @@ def test_what_is_rounded_or_a_short_lever_is_told_with_a_remedy_that_helps(
         made(parts)
     told = caplog.messages[0]
     assert "if its numbers are exact, it has 1 instead of 2 degrees of freedom" in told
-    assert told.endswith("make x, y, plate fixed, which cannot move then")
+    assert told.endswith("make x, y, plate fixed, because they cannot move then")
     caplog.clear()
     model = pin.buildReducedModel(parts.model, [2, 3, 4], np.zeros(4))
     with caplog.at_level(logging.WARNING):
@@ -67,7 +67,7 @@ def test_a_short_lever_that_moves_with_others_is_told_what_would_be_enough(
     with caplog.at_level(logging.WARNING):
         made(short_lever(7e-4, turntable=True))
     assert "1 instead of 2 degrees of freedom" in caplog.messages[0]
-    assert caplog.messages[0].endswith("by longer levers, by 1e-03 of the strongest and more")
+    assert caplog.messages[0].endswith("longer, until they hold with 1e-03 of the strongest")
     caplog.clear()
     with caplog.at_level(logging.WARNING):
         assert made(short_lever(7e-3, turntable=True)).mobility.degrees_of_freedom == 1
