@@ -7,7 +7,7 @@
 #   make fuzz        try 50 000 changed files on all readers: a quarter of an hour of a core
 #   make endings     end studies, benchmarks and saves at 400 moments by chance: ten minutes
 #   make memory      look for leaks in ten million calls and a thousand loads: hours
-#   make export-states  compare robots and controllers in C with Python in 10,000 states each
+#   make export-states  compare robots, controllers and systems in C with Python more often: in 10,000 states each
 #   make misuse      call everything public with every wrong argument
 #   make lint        check style and types
 #   make bench       measure speed
@@ -77,11 +77,13 @@ memory: $(VENV)/.compiled $(VENV)/.dev
 	@echo "Calling ten million times, and loading a thousand times (hours)"
 	@$(BIN)/python -m tests.endurance.memory
 
-# The tests that 'make test' runs with 500 states, and with the sanitizers in double precision alone.
+# The tests that 'make test' runs with 500 states, with the sanitizers in double precision alone, and, of code of which the like is
+# there already, without optimization and without cppcheck.
 export-states: $(VENV)/.compiled $(VENV)/.dev
-	@echo "Comparing robots and controllers in C with Python in 10,000 states (half an hour)"
+	@echo "Comparing robots, controllers and systems in C with Python in 10,000 states (half an hour)"
 	@EXPORT_STATES=10000 $(BIN)/python -m pytest --numprocesses=logical --dist=load \
-		-k "test_every or sanitizers" $(addprefix tests/psp3/export/test_,robots.py closed_form.py controllers.py)
+		-k "test_every or sanitizers or test_systems or single" \
+		$(addprefix tests/psp3/export/test_,robots.py closed_form.py controllers.py) tests/fuzzy2/export/test_systems.py
 
 # The tests that 'make test' runs with one of eight wrong arguments.
 misuse: $(VENV)/.compiled $(VENV)/.dev

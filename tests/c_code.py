@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -23,8 +24,19 @@ STATES = int(os.environ.get("EXPORT_STATES", "500"))
 export-states``, before a release.
 """
 
-PRECISIONS: tuple[Any, ...] = ("double", "single") if STATES >= 10_000 else ("double",)
+BEFORE_A_RELEASE = STATES >= 10_000
+"""Whether code of which the like is checked anyway is checked, too."""
+
+PRECISIONS: tuple[Any, ...] = ("double", "single") if BEFORE_A_RELEASE else ("double",)
 """In which precisions code runs under the sanitizers: in both before a release."""
+
+
+def optimization(is_first: bool) -> str:
+    """Return how far a compiler goes: not at all with code of which the like was optimized before.
+
+    Optimization takes most of its time; before a release all code is optimized.
+    """
+    return "-O2" if is_first or BEFORE_A_RELEASE else "-O0"
 
 
 def compiled(code: CCode, folder: Path, compiler: str = "gcc", *more: str) -> Path:
@@ -126,6 +138,15 @@ def checked_at_run_time(
     ran = subprocess.run([str(program)], capture_output=True, text=True)
     assert ran.returncode == 0, ran.stderr[:4000]
     assert int(ran.stdout) > 0
+
+
+def functions_of(code: CCode) -> set[str]:
+    """Return the names of a code's own functions.
+
+    One that is written several times, for what is known of its arguments, has one name.
+    """
+    names = re.findall(r"^static .*?(\w+)\([^;]*\)$", code.source, re.M)
+    return {re.sub(r"_\d+$", "", name.removeprefix(f"{code.name}_")) for name in names}
 
 
 class Library:

@@ -10,7 +10,7 @@ from typing import Any
 from fuzzy2.errors import NotExportable
 from fuzzy2.export.c_text import RESERVED, members
 from fuzzy2.export.definitions import Definitions
-from fuzzy2.export.kernel_source import assigned, source_of
+from fuzzy2.export.kernel_source import source_of
 from fuzzy2.export.values import (
     NOTHING,
     REAL,
@@ -44,7 +44,7 @@ class Frame(ABC):
         self.buffers: list[str] = []
         self.result: Type = NOTHING
         self.count = 0
-        self.variables = assigned(self.tree.body) | set(names)
+        self.variables = self.source.assigned(self.tree.body) | set(names)
         for name in sorted(self.variables & RESERVED):
             raise self.refused(self.tree, f"{name} is a word of C, and no name of a variable there")
 

@@ -7,7 +7,7 @@ import ast
 from fuzzy2.export.c_text import bare, comment, ends, otherwise, without_idle, words_of
 from fuzzy2.export.expressions import Expressions
 from fuzzy2.export.frame import Known, forgotten
-from fuzzy2.export.kernel_source import assigned, jumps, read_beyond_its_loops
+from fuzzy2.export.kernel_source import jumps
 from fuzzy2.export.values import INT, NOTHING, Record, Row, Scalar, Table, Type, Value, joined
 
 MOST_PASSES = 16
@@ -20,7 +20,7 @@ class Translation(Expressions):
     def translate(self) -> None:
         """Translate the body: again, until all types of its variables are found."""
         before: dict[str, Type] | None = None
-        changed = assigned(self.tree.body)
+        changed = self.source.assigned(self.tree.body)
         while before != self.types:
             before = self.types
             self.types = {name: kind for name, kind in before.items() if name in self.variables}
@@ -110,10 +110,8 @@ class Translation(Expressions):
                 return self._while(node, known, depth)
             case ast.For():
                 return self._for(node, known, depth)
-            case ast.AugAssign(target=target, op=op, value=value):
-                read = ast.parse(ast.unparse(target), mode="eval").body
-                whole = ast.copy_location(ast.BinOp(read, op, value), node)
-                said = self.expression(ast.fix_missing_locations(whole), known)
+            case ast.AugAssign(target=target):
+                said = self.expression(self.source.combined(node), known)
                 return self._assign(target, said, known, space)
             case ast.AnnAssign(target=target, value=value) if value is not None:
                 return self._assign_node(target, value, known, space)
@@ -167,13 +165,13 @@ class Translation(Expressions):
     # ------------------------------------------------------------------------------------ loops
     def _forget(self, node: ast.stmt, body: list[ast.stmt], known: Known) -> None:
         """Forget what is known of variables that a loop changes."""
-        for name in assigned(body):
+        for name in self.source.assigned(body):
             if name in known:
                 known[name] = self.unknown(node, name)
 
     def _learn(self, body: list[ast.stmt], known: Known) -> None:
         """Variables that first appear in a loop are variables after it, too."""
-        for name in assigned(body):
+        for name in self.source.assigned(body):
             if name not in known and name in self.types:
                 known[name] = self.named(name, self.types[name])
 
@@ -243,8 +241,8 @@ class Translation(Expressions):
         space, lines = "    " * depth, []
         # What Python's variable holds is not what C's counter holds, if the loop changes it, or
         # after the loop.
-        own = assigned(node.body)
-        apart = name in own or read_beyond_its_loops(self.tree.body, name)
+        own = self.source.assigned(node.body)
+        apart = name in own or self.source.is_read_beyond_its_loops(name)
         end = stop.code
         if stop.known is None and (not end.isidentifier() or end in own or end == name):
             end = self.temporary("end", INT)

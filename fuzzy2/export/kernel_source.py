@@ -1,18 +1,25 @@
-"""The Python source of a kernel, and what its statements do with its variables."""
+"""The Python source of a kernel, and what its statements do with its variables.
+
+A kernel is translated for each kind of arguments that it is called with, a robot's code has
+hundreds of such translations, and each goes over all loops several times. So what is found in a
+kernel's syntax is remembered as long as the kernel is there.
+"""
 
 from __future__ import annotations
 
 import ast
 import inspect
 import textwrap
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections import ChainMap
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Any
+from weakref import WeakKeyDictionary
 
 
 @dataclass(frozen=True)
 class KernelSource:
-    """Where a kernel is written, and its syntax.
+    """Where a kernel is written, and its syntax, which nobody changes.
 
     Parameters
     ----------
@@ -22,27 +29,65 @@ class KernelSource:
         The file.
     first : int
         Line of the file at which the function, or the first of its decorators, begins.
-    names : dict
+    names : mapping
         What its names mean outside of it.
+    found : dict
+        What is remembered of parts of the syntax, by what it is and the part's identity.
     """
 
     tree: ast.FunctionDef
     file: str
     first: int
-    names: dict[str, Any]
+    names: Mapping[str, Any]
+    found: dict[Any, Any] = field(compare=False, repr=False)
 
     def place(self, node: Any) -> str:
         """Return file and line of a part."""
         return f"{self.file}, line {self.first + getattr(node, 'lineno', 1) - 1}"
 
+    def assigned(self, body: list[ast.stmt]) -> frozenset[str]:
+        """Return the names of the variables that a part of the syntax gives values to."""
+        key = "assigned", id(body)
+        if key not in self.found:
+            self.found[key] = frozenset(assigned(body))
+        names: frozenset[str] = self.found[key]
+        return names
+
+    def is_read_beyond_its_loops(self, name: str) -> bool:
+        """Tell whether the variable of counted loops is read outside of them."""
+        key = "read", name
+        if key not in self.found:
+            self.found[key] = read_beyond_its_loops(self.tree.body, name)
+        is_read: bool = self.found[key]
+        return is_read
+
+    def combined(self, node: ast.AugAssign) -> ast.expr:
+        """Return what ``a += b`` gives to ``a``: the expression ``a + b``."""
+        key = "combined", id(node)
+        if key not in self.found:
+            target = ast.parse(ast.unparse(node.target), mode="eval").body
+            whole = ast.copy_location(ast.BinOp(target, node.op, node.value), node)
+            self.found[key] = ast.fix_missing_locations(whole)
+        expression: ast.expr = self.found[key]
+        return expression
+
+
+_SYNTAX: WeakKeyDictionary[Callable[..., Any], tuple[ast.FunctionDef, str, int, dict[Any, Any]]] = (
+    WeakKeyDictionary()
+)
+
 
 def source_of(body: Callable[..., Any]) -> KernelSource:
     """Return the source of a Python function."""
-    lines, first = inspect.getsourcelines(body)
-    tree = ast.parse(textwrap.dedent("".join(lines))).body[0]
-    assert isinstance(tree, ast.FunctionDef)
-    names = {**body.__globals__, **inspect.getclosurevars(body).nonlocals}
-    return KernelSource(tree, inspect.getsourcefile(body) or body.__module__, first, names)
+    if body not in _SYNTAX:
+        lines, first = inspect.getsourcelines(body)
+        tree = ast.parse(textwrap.dedent("".join(lines))).body[0]
+        assert isinstance(tree, ast.FunctionDef)
+        _SYNTAX[body] = tree, inspect.getsourcefile(body) or body.__module__, first, {}
+    tree, file, first, found = _SYNTAX[body]
+    # What names mean may change, and is looked up anew.
+    around = dict(inspect.getclosurevars(body).nonlocals) if body.__closure__ else {}
+    return KernelSource(tree, file, first, ChainMap(around, body.__globals__), found)
 
 
 def assigned(body: list[ast.stmt]) -> set[str]:

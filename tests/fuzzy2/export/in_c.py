@@ -79,14 +79,16 @@ class InC:
         The code.
     folder : Path
         Where it is written and compiled, to ``{name}.o`` among others.
+    optimized : str
+        How far gcc goes.
     """
 
-    def __init__(self, code: CCode, folder: Path) -> None:
+    def __init__(self, code: CCode, folder: Path, optimized: str = "-O2") -> None:
         self.code, self.folder = code, folder
         code.write(folder)
         (folder / f"{code.name}_rows.c").write_text(calls_of_rows(code), encoding="utf-8")
         names = (code.name, f"{code.name}_rows")
-        _run(["gcc", *FLAGS, "-fPIC", "-c", *(f"{name}.c" for name in names)], folder)
+        _run(["gcc", *FLAGS, optimized, "-fPIC", "-c", *(f"{name}.c" for name in names)], folder)
         files = [f"{name}.o" for name in names]
         _run(["gcc", "-shared", "-o", f"{code.name}.so", *files, "-lm"], folder)
         self._library = ctypes.CDLL(str(folder / f"{code.name}.so"))

@@ -239,3 +239,17 @@ REFUSED = {
 def test_what_is_refused(kernel, tmp_path):
     with pytest.raises(NotExportable, match=REFUSED[kernel]):
         kernel_in_c(kernel, 2, 1, tmp_path)
+
+
+FACTOR = 2.0
+
+
+def scaled(x, out):
+    out[0] = FACTOR * x[0]
+
+
+def test_names_mean_what_they_mean_when_code_is_written(tmp_path, monkeypatch):
+    """The syntax of a kernel is remembered, but not what its names mean."""
+    assert "2.0 * " in kernel_in_c(scaled, 1, 1, tmp_path / "before")[1].source
+    monkeypatch.setitem(globals(), "FACTOR", 3.0)
+    assert "3.0 * " in kernel_in_c(scaled, 1, 1, tmp_path / "after")[1].source

@@ -1,4 +1,8 @@
-"""Exported systems answer as those in Python do, to the last bit."""
+"""Exported systems answer as those in Python do, to the last bit.
+
+With ``make export-states`` the code of all kinds is optimized and read by ``cppcheck``, and those
+whose answers take long are asked more often.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +23,7 @@ from fuzzy2.errors import InvalidValue, NotExportable, NotFitted, UnknownName
 from fuzzy2.export.c_code import CCode
 from fuzzy2.export.calls import FUNCTIONS
 from fuzzy2.export.systems import has_intervals, system_of
-from tests.c_code import FLAGS
+from tests.c_code import BEFORE_A_RELEASE, FLAGS, functions_of, optimization
 from tests.fuzzy2.export.in_c import InC, bind, build, needs_gcc
 from tests.fuzzy2.export.kinds import JUMPING, KINDS, SLOW, interval, type_1
 from tests.fuzzy2.systems.random_systems import states, systems
@@ -28,6 +32,23 @@ from tests.project_folder import check_statically, needs_clang, needs_cppcheck
 pytestmark = pytest.mark.filterwarnings("ignore::fuzzy2.ApproximationWarning")
 
 ALL = KINDS | SLOW
+
+WITH_EVERY_FUNCTION = (
+    *("formulas, interval", "planes, silent", "mamdani", "wu-mendel on a grid", "side by side"),
+    *("or, not, hedges, weights, silence, defaults", "corollary", "bisector on a grid", "clouds"),
+    *("mean_of_maxima", "tsukamoto", "united sum, interval", "bisector", "classifier"),
+    *("fuzzylite's bisector", "nie-tan mamdani"),
+)
+"""Systems that have, together, every function that is in any of them.
+
+Their code is optimized, and ``cppcheck`` reads it; the code of all others is not optimized.
+"""
+
+
+@functools.cache
+def made(kind: str) -> Any:
+    """Return a system or learner of a kind, the same one in every test."""
+    return ALL[kind]()
 
 
 def inputs(count: int) -> Any:
@@ -44,7 +65,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], CCode]:
 
     @functools.cache
     def write(kind: str) -> CCode:
-        return fuzzy2.export_c(ALL[kind](), folder, name=f"system_{[*ALL].index(kind)}")
+        return fuzzy2.export_c(made(kind), folder, name=f"system_{[*ALL].index(kind)}")
 
     setattr(write, "folder", folder)  # noqa: B010 (a function has no such attribute for mypy)
     return write
@@ -54,7 +75,9 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], CCode]:
 def compiled(written: Any, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], InC]:
     """Return a function that compiles a system of a kind in double precision, each once."""
     folder = tmp_path_factory.mktemp("compiled")
-    return functools.cache(lambda kind: InC(written(kind), folder))
+    return functools.cache(
+        lambda kind: InC(written(kind), folder, optimization(kind in WITH_EVERY_FUNCTION))
+    )
 
 
 @needs_gcc
@@ -62,7 +85,7 @@ def compiled(written: Any, tmp_path_factory: pytest.TempPathFactory) -> Callable
 def test_ten_thousand_inputs_give_the_same_numbers(kind, compiled):
     X = inputs(10_000)
     outputs, codes = compiled(kind).rows(0, X)
-    right = np.asarray(system_of(KINDS[kind]())(X))
+    right = np.asarray(system_of(made(kind))(X))
     assert (codes == 1).all()
     np.testing.assert_array_equal(outputs, right)
     assert np.isfinite(right).any()
@@ -71,7 +94,7 @@ def test_ten_thousand_inputs_give_the_same_numbers(kind, compiled):
 @needs_gcc
 @pytest.mark.parametrize("kind", KINDS)
 def test_ends_of_intervals_are_those_of_python(kind, compiled):
-    system, in_c = system_of(KINDS[kind]()), compiled(kind)
+    system, in_c = system_of(made(kind)), compiled(kind)
     assert has_intervals(system) == (len(in_c.code.functions) == 2)
     if not has_intervals(system):
         return
@@ -88,7 +111,7 @@ def test_ends_of_intervals_are_those_of_python(kind, compiled):
 
 def test_systems_whose_intervals_are_points_have_no_function_for_them(tmp_path):
     names = {
-        kind: [function.name for function in fuzzy2.export_c(KINDS[kind](), tmp_path).functions]
+        kind: [function.name for function in fuzzy2.export_c(made(kind), tmp_path).functions]
         for kind in ("type-1", "interval", "planes", "nie-tan", "side by side")
     }
     assert names["type-1"] == names["nie-tan"] == ["system_evaluate"]
@@ -130,8 +153,8 @@ def test_random_systems_answer_as_in_python(system):
 @pytest.mark.parametrize("kind", SLOW)
 def test_unions_give_the_same_numbers_or_say_that_memory_is_short(kind, norm, tmp_path):
     """Where lower strengths are tiny beside the upper ones, pieces are many."""
-    system = SLOW[kind]().replace(t_norm=norm, implication=norm)
-    X = inputs(10_000 if norm == "min" else 500)
+    system = made(kind).replace(t_norm=norm, implication=norm)
+    X = inputs(500 if norm == "product" else 10_000 if BEFORE_A_RELEASE else 1500)
     outputs, codes = InC(fuzzy2.export_c(system, tmp_path), tmp_path).rows(0, X)
     right, done = np.asarray(system(X)), codes == 1
     assert done.mean() > (0.99 if norm == "min" else 0.97)
@@ -155,9 +178,10 @@ def test_what_is_not_finite_has_no_answer(kind, compiled):
 def test_single_precision_is_near(kind, tmp_path, record_property):
     """What single precision costs, relative to the spread of the outputs, near the terms."""
     X = np.random.default_rng(1).uniform(-1.5, 1.5, (2000, 2))
-    code = fuzzy2.export_c(ALL[kind](), tmp_path, precision="single")
-    outputs, codes = InC(code, tmp_path).rows(0, X)
-    right = np.asarray(system_of(ALL[kind]())(X))
+    code = fuzzy2.export_c(made(kind), tmp_path, precision="single")
+    optimized = optimization(kind in WITH_EVERY_FUNCTION)
+    outputs, codes = InC(code, tmp_path, optimized).rows(0, X)
+    right = np.asarray(system_of(made(kind))(X))
     assert (codes == 1).all()
     both = np.isfinite(right)
     assert (np.isfinite(outputs) == both).mean() > 0.999
@@ -261,10 +285,14 @@ def test_nothing_is_taken_from_elsewhere_and_nothing_global_is_written(kind, com
 
 
 @needs_cppcheck
-def test_a_static_check_finds_nothing(written):
-    for kind in ALL:
-        written(kind)
-    check_statically(written.folder)
+def test_a_static_check_finds_nothing(written, tmp_path):
+    """Of every function in some system; of every system with ``make export-states``."""
+    functions = set().union(*(functions_of(written(kind)) for kind in ALL))
+    assert len(functions) > 100
+    assert functions == set().union(*(functions_of(written(k)) for k in WITH_EVERY_FUNCTION))
+    for kind in ALL if BEFORE_A_RELEASE else WITH_EVERY_FUNCTION:
+        written(kind).write(tmp_path)
+    check_statically(tmp_path)
 
 
 def test_the_header_says_what_there_is(tmp_path):

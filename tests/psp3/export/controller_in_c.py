@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fuzzy2.export.c_code import CCode
 from psp3.checks import Array
 from psp3.control.controller import steer, widths_of
 from psp3.export.face import c_code
@@ -21,8 +22,8 @@ class ControllerInC:
 
     Parameters
     ----------
-    controller : controller
-        What is written in C.
+    controller : controller or CCode
+        What is written in C, or its code.
     folder : Path
         Where it is written and compiled.
     optimized : str
@@ -34,7 +35,8 @@ class ControllerInC:
     def __init__(
         self, controller: Any, folder: Path, *, optimized: str = "-O2", **options: Any
     ) -> None:
-        self.code = c_code(controller, **options)
+        is_written = isinstance(controller, CCode)
+        self.code = controller if is_written else c_code(controller, **options)
         library = ctypes.CDLL(str(compiled(self.code, folder, "gcc", optimized)))
         self.item = ctypes.c_double if self.code.precision.name == "double" else ctypes.c_float
         self._kind = np.float64 if self.item is ctypes.c_double else np.float32
