@@ -55,6 +55,9 @@ napoleon_use_ivar = True
 napoleon_use_rtype = False
 napoleon_preprocess_types = False
 
+# Quotes and ellipses, but no dashes: an option is --help, also where it is not set as code.
+smartquotes_action = "qe"
+
 html_theme = "furo"
 html_title = project
 html_static_path = ["_static"]

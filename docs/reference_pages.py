@@ -214,8 +214,7 @@ def _sections(command: Any, path: str) -> Iterator[str]:
         for parameter in sub.get_params(context):
             record = parameter.get_help_record(context)
             if record is not None and parameter.name != "help":
-                name = re.sub(r" <\w+>$", "", record[0])
-                yield f"``{name}``\n   {plain(record[1]) or '…'}\n\n"
+                yield f"``{record[0]}``\n   {plain(record[1]) or '…'}\n\n"
 
 
 def pages() -> dict[str, str]:
