@@ -182,8 +182,12 @@ def group_page(group: Group, found: Mapping[str, Mapping[str, str]]) -> str:
 
 
 def plain(text: str) -> str:
-    """Return a text with the marks of reStructuredText escaped."""
-    return re.sub(r"([\\*`|_])", r"\\\1", " ".join(text.split()))
+    """Return a text with the marks of reStructuredText escaped, and options set as code.
+
+    Elsewhere Sphinx makes one dash of two.
+    """
+    escaped = re.sub(r"([\\*`|_])", r"\\\1", " ".join(text.split()))
+    return re.sub(r"(?<!\S)(--[a-z][a-z-]*)", r"``\1``", escaped)
 
 
 def command_line_page() -> str:
