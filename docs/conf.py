@@ -164,6 +164,26 @@ def write_motions(app: Sphinx, error: Exception | None) -> None:
         (Path(app.outdir) / f"motion_{name}.html").write_text(page(commands, title), "utf-8")
 
 
+class BreakableTitles(SphinxPostTransform):
+    """Let the titles of the reference, which are names of modules, break after dots.
+
+    On a narrow screen they would break within words.
+    """
+
+    default_priority = 900
+
+    def run(self, **kwargs: Any) -> None:
+        """Put a place to break after every dot of the first title."""
+        title = next(iter(self.document.findall(nodes.title)), None)
+        if title is None or not self.env.docname.startswith("api/"):
+            return
+        for text in list(title.findall(nodes.Text)):
+            pieces: list[nodes.Node] = []
+            for piece in re.split(r"(?<=[._])", text.astext()):
+                pieces += [nodes.Text(piece), nodes.raw("", "<wbr>", format="html")]
+            text.parent.replace(text, pieces[:-1])
+
+
 class LinkNames(SphinxPostTransform):
     """Link names of this library that are set as code to their reference.
 
@@ -275,5 +295,6 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.connect("html-page-context", add_katex)
     app.add_transform(WordsOfSearch)
     app.add_post_transform(LinkNames)
+    app.add_post_transform(BreakableTitles)
     app.add_html_math_renderer("formula", (formula, None), (formula, None))
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -182,8 +182,12 @@ def group_page(group: Group, found: Mapping[str, Mapping[str, str]]) -> str:
 
 
 def plain(text: str) -> str:
-    """Return a text with the marks of reStructuredText escaped."""
-    return re.sub(r"([\\*`|_])", r"\\\1", " ".join(text.split()))
+    """Return a text with the marks of reStructuredText escaped, and options set as code.
+
+    Elsewhere Sphinx makes one dash of two.
+    """
+    escaped = re.sub(r"([\\*`|_])", r"\\\1", " ".join(text.split()))
+    return re.sub(r"(?<!\S)(--[a-z][a-z-]*)", r"``\1``", escaped)
 
 
 def command_line_page() -> str:
@@ -214,8 +218,7 @@ def _sections(command: Any, path: str) -> Iterator[str]:
         for parameter in sub.get_params(context):
             record = parameter.get_help_record(context)
             if record is not None and parameter.name != "help":
-                name = re.sub(r" <\w+>$", "", record[0])
-                yield f"``{name}``\n   {plain(record[1]) or '…'}\n\n"
+                yield f"``{record[0]}``\n   {plain(record[1]) or '…'}\n\n"
 
 
 def pages() -> dict[str, str]:

@@ -29,6 +29,46 @@ BLUE, VERMILLION, GREEN, PURPLE = CYCLES["light"][:4]
 TEXT, MUTED = GROUNDS["light"][1:3]
 
 
+INVISIBLE = 0.01
+"""How far [pt] a line may move if points are left out of it: a hundredth of its width."""
+POLYLINE = re.compile(r'(?<= d=")[ML\d.\s-]{400,}z?\s*(?=")')
+
+
+def thinned(path: re.Match[str]) -> str:
+    """Return a long polyline without the points that are not seen.
+
+    Sets are sampled at hundreds of points, and what is straight between them needs two. Matplotlib
+    leaves such points out of lines, but not out of filled areas.
+    """
+    pieces = []
+    for piece in path[0].split("M")[1:]:
+        points = np.array(re.findall(r"-?[\d.]+", piece), dtype=float).reshape(-1, 2)
+        rows = (f"{x:.7g} {y:.7g}" for x, y in points[kept(points)])
+        pieces.append("M " + "\nL ".join(rows) + ("\nz" if "z" in piece else ""))
+    return "\n".join(pieces)
+
+
+def kept(points: np.ndarray) -> np.ndarray:
+    """Return which points (n, 2) a polyline needs, by the algorithm of Douglas and Peucker."""
+    needed = np.zeros(len(points), bool)
+    needed[[0, -1]] = True
+    spans = [(0, len(points) - 1)]
+    while spans:
+        first, last = spans.pop()
+        between = points[first + 1 : last] - points[first]
+        if not len(between):
+            continue
+        way = points[last] - points[first]
+        # As far along the way as its ends allow, so that a point beyond an end is not left out.
+        along = np.clip(between @ way / max(way @ way, 1e-30), 0.0, 1.0)
+        distance = np.linalg.norm(between - along[:, np.newaxis] * way, axis=1)
+        if distance.max() > INVISIBLE:
+            middle = first + 1 + int(distance.argmax())
+            needed[middle] = True
+            spans += [(first, middle), (middle, last)]
+    return needed
+
+
 def save(figure: Figure, name: str) -> None:
     """Write a figure drawn in the light style as an SVG.
 
@@ -40,7 +80,7 @@ def save(figure: Figure, name: str) -> None:
     )
     light = (*GROUNDS["light"], *CYCLES["light"])
     dark = (*GROUNDS["dark"], *CYCLES["dark"])
-    text = buffer.getvalue()
+    text = POLYLINE.sub(thinned, buffer.getvalue())
     for number, color in enumerate(light):
         text = re.sub(rf"(?<=[ \"':]){color}\b", f"var(--c{number})", text, flags=re.IGNORECASE)
     sheets = [

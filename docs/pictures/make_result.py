@@ -80,14 +80,22 @@ def draw(axes: Axes, found: dict[str, list[Estimate]]) -> None:
     axes.set_ylabel("sum of squared errors [m²]")
     axes.set_yscale("log")
     axes.set_ylim(bottom=0.01)
-    axes.set_title(f"Type-2 gains by averaging ({SEEDS} seeds)")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.17))
+    # Above the legend, which is as close to the curves as it can be without hiding any.
+    axes.set_title(f"Type-2 gains by averaging ({SEEDS} seeds)", pad=56.0)
+    axes.legend(
+        ncols=2,
+        loc="lower center",
+        bbox_to_anchor=(0.5, 1.0),
+        frameon=False,
+        columnspacing=1.0,
+        handletextpad=0.2,
+    )
 
 
 def main() -> None:
     """Write the figure beside this file."""
     with style():
-        figure = Figure(figsize=(4.8, 5.2), layout="constrained")
+        figure = Figure(figsize=(4.8, 4.8), layout="constrained")
         draw(figure.subplots(), errors())
         save(figure, "result")
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from fuzzy2.errors import printable
-from fuzzy2.support.markup import Markup, element
+from fuzzy2.support.markup import LEFT, Markup, element
 
 MOST_NUMBERS = 6
 """Numbers of an array that are shown; of longer ones the shape is."""
@@ -33,7 +33,11 @@ class Described:
     def _repr_html_(self) -> Markup:
         """Return what a notebook shows."""
         rows = (
-            element("tr", element("th", name.replace("_", " ")), element("td", in_short(fact)))
+            element(
+                "tr",
+                element("th", name.replace("_", " "), style=LEFT),
+                element("td", in_short(fact), style=LEFT),
+            )
             for name, fact in _given(self._facts()).items()
         )
         return element("table", element("caption", type(self).__name__), *rows)

@@ -45,6 +45,10 @@ def joined(parts: Iterable[str]) -> Markup:
     return Markup("".join(map(escaped, parts)))
 
 
+LEFT = "text-align:left"
+"""Style of a table's cells that hold words: JupyterLab sets what has none flush right."""
+
+
 def element(tag: str, *content: str, **attributes: str) -> Markup:
     """Return an element of HTML or SVG.
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from fuzzy2.support.checks import Array
-from fuzzy2.support.markup import Markup, element, joined
+from fuzzy2.support.markup import LEFT, Markup, element, joined
 from fuzzy2.support.viewers import viewer
 
 WIDTH, HEIGHT = 180.0, 48.0
@@ -57,7 +57,7 @@ def captioned(picture: Markup, text: str) -> Markup:
 
 def table(rows: Sequence[Sequence[str]]) -> Markup:
     """Return rows of cells, texts or markup, as a table."""
-    cells = (joined(element("td", cell) for cell in row) for row in rows)
+    cells = (joined(element("td", cell, style=LEFT) for cell in row) for row in rows)
     return element("table", *(element("tr", row) for row in cells))
 
 

@@ -64,7 +64,6 @@ def label_points(
             xytext=tuple((center - place) / pixels),
             textcoords="offset points",
             fontsize=SIZE,
-            color=color,
             ha="center",
             va="center",
             arrowprops={"arrowstyle": "-", "color": color, "linewidth": 0.5} if ring else None,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from typing import Annotated, Any
 
 import typer
@@ -13,16 +14,33 @@ ANY_LENGTH = 1000
 """Of a sentence: the help breaks lines, and leaves nothing out."""
 
 
+def _nothing(*_: Any, **__: Any) -> None:
+    """Return None."""
+
+
 def _without_type(options: list[Any]) -> list[Any]:
-    """Return options, of which those that take no value do not show the type of one."""
+    """Return options and arguments without types of Python, which the reader need not know.
+
+    Ranges such as ``[1<=x<=65000]`` are left out too: they take a third of a line of 80 letters
+    from all that is explained beside them. Whoever leaves a range is told so.
+    """
     for one in options:
-        if getattr(one, "is_flag", False) and one.metavar is None:
+        one._get_number_range_help_str = _nothing
+        if one.param_type_name == "argument":
+            one.display_type_rich = _nothing
+        elif one.is_flag and one.metavar is None:
             one.metavar = ""
     return options
 
 
 class Command(TyperCommand):
-    """A command whose help shows no type of what takes no value."""
+    """A command whose help breaks lines where the terminal ends, and shows no type of Python."""
+
+    def __init__(self, *args: Any, **settings: Any) -> None:
+        super().__init__(*args, **settings)
+        # Lines of the source code are shorter or longer than those of a terminal.
+        paragraphs = inspect.cleandoc(self.help or "").split("\n\n")
+        self.help = "\n\n".join(" ".join(one.split("\n")) for one in paragraphs)
 
     def get_params(self, ctx: Any) -> list[Any]:
         """Return options and arguments."""

@@ -155,7 +155,8 @@ class Core:
         self._free_fall = model.gravity.linear
         self.size = int(self.tree[SIZE])
         self._spare: list[Array] = []
-        self._reference = np.empty(self.size)
+        # Zeros, because exported code contains all of it, also entries that nothing reads.
+        self._reference = np.zeros(self.size)
         for group in range(int(self.tree[GROUPS])):
             at = int(self.tree[AT_TOLERANCES]) + GROUP_NUMBERS * group
             self.numbers[at + MISMATCH_AT] = mismatch

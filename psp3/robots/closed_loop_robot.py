@@ -457,7 +457,7 @@ class ClosedLoopRobot(Described):
     def _facts(self) -> dict[str, Any]:
         return {
             "name": self.title,
-            "freedoms": len(self.coordinates_v),
+            "degrees_of_freedom": len(self.coordinates_v),
             "motors": self.actuated,
             "loops": len(self.constraint_models) + len(self.equations),
         }

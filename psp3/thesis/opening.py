@@ -65,7 +65,7 @@ def figure_of_result(
     tuple of Axes
         The one panel.
     """
-    panel = Figure(figsize=(4.8, 5.2), layout="constrained").subplots()
+    panel = Figure(figsize=(4.8, 4.8), layout="constrained").subplots()
     levels = list(next(iter(errors.values())))
     for place, (name, points) in enumerate(errors.items()):
         value, low, high = np.array(list(points.values())).T
@@ -97,7 +97,14 @@ def figure_of_result(
     )
     # Room for the name below the lowest line.
     panel.set_ylim(bottom=0.5 * panel.get_ylim()[0])
-    panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.17))
+    panel.legend(
+        ncols=2,
+        loc="lower center",
+        bbox_to_anchor=(0.5, 1.0),
+        frameon=False,
+        columnspacing=1.0,
+        handletextpad=0.2,
+    )
     return (panel,)
 
 

@@ -35,7 +35,7 @@ def study() -> psp3.Study:
 @pytest.mark.parametrize(
     ("thing", "line"),
     [
-        (ROBOT, "PSP3(name=3-PSP robot, freedoms=3, motors=a1, a2, a3, loops=2)"),
+        (ROBOT, "PSP3(name=3-PSP robot, degrees_of_freedom=3, motors=a1, a2, a3, loops=2)"),
         (psp3.PD(), "PD(kp=1000, kv=100)"),
         (psp3.PID(kp=np.eye(3)), "PID(kp=array of 3 × 3, kv=100, ki=2000)"),
         (psp3.FeedForward(ROBOT), "FeedForward(model=3-PSP robot)"),

@@ -43,7 +43,7 @@ TEMPLATES = (
         "Inverse dynamics takes {along a path/five_bar} µs a call for a five-bar linkage and "
         "{along a path/gough_stewart} µs for a Gough–Stewart platform, from Python."
     ),
-    "Over six robots that is {along a path/of MuJoCo} times MuJoCo's `mj_forward`",
+    "That is {along a path/of MuJoCo} times MuJoCo's `mj_forward`",
     (
         "A fuzzy system with {timed system/rules} rules and {timed system/outputs} outputs takes "
         "{µs/Type-2 inference/fuzzy2, type-1} µs (type-1), {µs/Type-2 inference/fuzzy2, interval "

@@ -135,9 +135,9 @@ def _show(report: dict[str, Any]) -> None:
     for warning in report["warnings"]:
         table.add_row("left out", warning)
     for what, remedy in found.findings:
-        table.add_row("odd", f"{what}: {as_options(remedy)}")
+        table.add_row("note", f"{what}: {as_options(remedy)}")
     if not report["warnings"] and not found.findings:
-        table.add_row("odd", "nothing")
+        table.add_row("problems", "none")
     show(table)
 
 

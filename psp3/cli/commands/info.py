@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from psp3.cli.compilation import one_off
@@ -10,6 +11,26 @@ from psp3.cli.option_groups import single_options
 from psp3.cli.options import Json
 from psp3.cli.output import new_table, plain_number, print_json, show
 from psp3.cli.robot_options import RobotOptions
+
+KINDS = {
+    "Revolute": "revolute",
+    "Prismatic": "prismatic",
+    "Helical": "helical",
+    "Spherical": "ball",
+    "FreeFlyer": "floating",
+}
+"""Joints in words, by how Pinocchio's names of them begin."""
+
+LETTERS = {"R": "revolute", "P": "prismatic", "H": "helical"}
+"""Joints along or about an axis of their frame, which Pinocchio names by letters."""
+
+
+def kind_of(name: str) -> str:
+    """Return what a joint is in one or two words, which fit a line of 80 letters."""
+    along = re.fullmatch(r"([RPH])(?:UB)?([XYZ])", name)
+    if along:
+        return f"{LETTERS[along[1]]} {along[2].lower()}"
+    return next((words for begin, words in KINDS.items() if name.startswith(begin)), name)
 
 
 @single_options
@@ -53,17 +74,23 @@ def info(*, robot: RobotOptions, json: Json = False) -> None:
         ("files", ", ".join(str(path) for path in (which.urdf, which.srdf) if path) or "–"),
     ):
         about.add_row(name, text)
-    table = new_table("Joints", "", "type", "role", "reference", "lower", "upper", "unit")
+    turned = any("quaternion" in one["unit"] for one in joints)
+    table = new_table(
+        "Joints",
+        *("", "type", "role", "reference", "lower", "upper", "unit"),
+        note="The orientation of a ball or of a floating base is a quaternion." if turned else "",
+    )
+    table.pad_edge = False
     for one in joints:
         table.add_row(
             one["name"],
-            one["type"],
+            kind_of(one["type"]),
             one["role"],
             *(
                 "\n".join(plain_number(value, 4) for value in one[key])
                 for key in ("reference", "lower", "upper")
             ),
-            one["unit"],
+            one["unit"].replace("quaternion", "").rstrip(", "),
         )
     show(about, table)
 

@@ -60,11 +60,11 @@ def simulate(
         typer.Option(
             metavar="NAME",
             help=(
-                "Controller: pd, pd-gravity, pid, feed-forward or ctc; or t1, it2 or gt2, trained "
-                "without noise on the helix, of another robot on its sway; or adaptive-t1 or "
-                "adaptive-it2, which go on learning."
+                "Controller: ctc (unless given), pd, pd-gravity, pid or feed-forward; or t1, it2 "
+                "or gt2, trained without noise on the helix, of another robot on its sway; or "
+                "adaptive-t1 or adaptive-it2, which go on learning."
             ),
-            show_default="ctc",
+            show_default=False,
         ),
     ] = None,
     trained: Annotated[

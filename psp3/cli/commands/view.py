@@ -87,7 +87,13 @@ def view(
         ),
     ] = True,
     port: Annotated[
-        int, typer.Option(min=1, max=65000, help="Port to serve on; if it is taken, the next one.")
+        int,
+        typer.Option(
+            min=1,
+            max=65000,
+            metavar="PORT",
+            help="Port to serve on; if it is taken, the next one.",
+        ),
     ] = 7000,
     trajectory: Annotated[
         str | None,

@@ -85,8 +85,8 @@ def workspace(
             max=1000,
             metavar="N",
             help=(
-                "3-PSP: poses from the middle to the border, 60 unless given; twice as many "
-                f"around. Another robot: poses along a side, {SIDE} unless given."
+                "2 to 1000. 3-PSP: poses from the middle to the border, 60 unless given; twice as "
+                f"many around. Another robot: poses along a side, {SIDE} unless given."
             ),
         ),
     ] = None,

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fuzzy2.support.described import Described, in_short
+from fuzzy2.support.markup import LEFT
 
 
 class Thing(Described):
@@ -22,8 +23,8 @@ class Thing(Described):
 def test_a_line_and_a_table_have_the_same_facts_and_obey_no_name() -> None:
     assert repr(Thing()) == r"Thing(whose=<script>\x1b[31m, largest_gain=10)"
     html = Thing()._repr_html_()
-    assert "<td>&lt;script&gt;\\x1b[31m</td>" in html
-    assert "<th>largest gain</th><td>10</td>" in html
+    assert ">&lt;script&gt;\\x1b[31m</td>" in html
+    assert f'<th style="{LEFT}">largest gain</th><td style="{LEFT}">10</td>' in html
     assert "nothing" not in html
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import fuzzy2
+from fuzzy2.support.markup import LEFT
 from fuzzy2.support.shown import Shown, captioned, small_picture, table
 
 
@@ -23,7 +24,8 @@ def test_names_are_escaped() -> None:
 
 
 def test_a_table_has_its_cells() -> None:
-    assert table([["a", "b"]]) == "<table><tr><td>a</td><td>b</td></tr></table>"
+    cells = "".join(f'<td style="{LEFT}">{text}</td>' for text in "ab")
+    assert table([["a", "b"]]) == f"<table><tr>{cells}</tr></table>"
 
 
 def test_things_are_drawn_by_the_facade() -> None:

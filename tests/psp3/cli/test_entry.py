@@ -5,7 +5,9 @@ What it prints and writes, what it refuses and how, and what it leaves unloaded.
 
 from __future__ import annotations
 
+import itertools
 import json
+import re
 import subprocess
 import sys
 from multiprocessing.connection import Connection
@@ -124,10 +126,25 @@ def test_the_shell_completes_commands_and_options(
 
 
 @pytest.mark.parametrize("command", ["", *COMMANDS, *GROUPS])
-def test_help_shows_no_type_of_what_takes_no_value(
+def test_help_shows_no_type_of_python_and_every_name_whole(
     helps: dict[str, tuple[str, list[str]]], command: str
 ) -> None:
-    assert "<bool>" not in helps[command][0]
+    shown = helps[command][0]
+    assert re.findall(r"<\w+|\[?\d+<=x|x>=\d", shown) == []
+    names = re.findall(r"^│ \*? *(--\S+)", shown, flags=re.MULTILINE)
+    assert [name for name in names if name.endswith("…")] == []
+
+
+@pytest.mark.parametrize("command", [*COMMANDS[:-1], *GROUPS])
+def test_help_breaks_lines_where_the_terminal_ends(
+    helps: dict[str, tuple[str, list[str]]], command: str
+) -> None:
+    """No word stands alone because the source code breaks its lines elsewhere."""
+    text = helps[command][0].partition("╭")[0].partition("Usage")[2]
+    lines = [line.strip() for line in text.splitlines()]
+    for line, following in itertools.pairwise(lines):
+        if line and following:
+            assert len(line) + 1 + len(following.split()[0]) > 77, line
 
 
 def test_version(psp3_command: Run) -> None:
