@@ -445,3 +445,27 @@ def test_a_robot_of_another_size_is_the_same_robot(name: str, size: float) -> No
     forces = robot.inverse_dynamics(x, v, a)
     found = other.inverse_dynamics(f * x, f * v, f * a) * f / size**2
     assert_allclose(found, forces, rtol=0, atol=1e-10 * np.abs(forces).max())
+
+
+@pytest.mark.parametrize("name", ["gripper", "five_bar"])
+def test_memory_that_nothing_has_written_changes_nothing(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Neither answers nor the reference memory, which exported code contains."""
+    empty: Any = np.empty
+    found = []
+    for garbage in (np.nan, 1.5):
+
+        def filled(*shape: Any, garbage: float = garbage, **options: Any) -> Any:
+            out = empty(*shape, **options)
+            if out.dtype == float:
+                out.fill(garbage)
+            return out
+
+        with monkeypatch.context() as patch:
+            patch.setattr(np, "empty", filled)
+            robot = psp3.load(name)
+            x, v, a = states(robot, 3)
+            answers = [robot.inverse_dynamics(*one) for one in zip(x, v, a, strict=True)]
+        found.append((robot._core._reference.tobytes(), np.array(answers).tobytes()))
+    assert found[0] == found[1]
