@@ -465,7 +465,9 @@ def test_memory_that_nothing_has_written_changes_nothing(
         with monkeypatch.context() as patch:
             patch.setattr(np, "empty", filled)
             robot = psp3.load(name)
-            x, v, a = states(robot, 3)
-            answers = [robot.inverse_dynamics(*one) for one in zip(x, v, a, strict=True)]
+            speeds = np.full(len(robot.coordinates_v), 0.1)
+            answers = [
+                robot.inverse_dynamics(robot.reference + 0.01 * k, speeds, speeds) for k in range(3)
+            ]
         found.append((robot._core._reference.tobytes(), np.array(answers).tobytes()))
     assert found[0] == found[1]
