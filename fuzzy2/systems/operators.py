@@ -1,6 +1,6 @@
-r"""Names of the operators of a system: how rules are united, reduced and defuzzified.
+r"""Names of the operators of a system: aggregation, type reduction and defuzzification.
 
-Type reductions, from the firing of the rules to an answer:
+Type reductions compute an answer from the firing of the rules:
 
 ============================  ==================================================================
 name                          answer
@@ -25,8 +25,8 @@ name                          answer
                               the firing
 ============================  ==================================================================
 
-MATLAB's names are taken, too: ``"wtaver"``, ``"wtsum"``, ``"mom"``, ``"som"`` and ``"lom"``, in
-MATLAB's sense; and ``"weighted_average"`` for ``"center_of_sets"``.
+MATLAB's names ``"wtaver"``, ``"wtsum"``, ``"mom"``, ``"som"`` and ``"lom"`` are accepted with
+MATLAB's meaning, and so is ``"weighted_average"`` for ``"center_of_sets"``.
 """
 
 from __future__ import annotations
@@ -97,14 +97,14 @@ AGGREGATIONS = MappingProxyType({**T_CONORMS, SUM.name: SUM})
 
 
 def aggregation(name: str | TConorm | BinaryFunction) -> TConorm:
-    """Return the way in which the rules' sets are united: a t-conorm, or the sum."""
+    """Return the aggregation of the rules' sets: a t-conorm, or the sum."""
     if isinstance(name, str) and name == SUM.name:
         return SUM
     return t_conorm(name)
 
 
 def type_reduction(name: str) -> str:
-    """Return a type reduction by its own name.
+    """Return the canonical name of a type reduction.
 
     Raises
     ------
