@@ -1,4 +1,4 @@
-"""The Python source of a kernel, and what its statements do with its variables."""
+"""The Python source of a kernel, and the variables that its statements use."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from typing import Any
 
 @dataclass(frozen=True)
 class KernelSource:
-    """Where a kernel is written, and its syntax.
+    """Source of a kernel: its place and its syntax tree.
 
     Parameters
     ----------
     tree : ast.FunctionDef
-        The syntax; its lines count from the first of the function.
+        The syntax tree, with line numbers relative to the first line of the function.
     file : str
         The file.
     first : int
-        Line of the file at which the function, or the first of its decorators, begins.
+        Line of the file where the function, or its first decorator, begins.
     names : dict
-        What its names mean outside of it.
+        Values of its global names.
     """
 
     tree: ast.FunctionDef
@@ -32,7 +32,7 @@ class KernelSource:
     names: dict[str, Any]
 
     def place(self, node: Any) -> str:
-        """Return file and line of a part."""
+        """Return file and line of a node."""
         return f"{self.file}, line {self.first + getattr(node, 'lineno', 1) - 1}"
 
 
@@ -46,7 +46,7 @@ def source_of(body: Callable[..., Any]) -> KernelSource:
 
 
 def assigned(body: list[ast.stmt]) -> set[str]:
-    """Return the names of the variables that statements give values to."""
+    """Return the names of the variables that statements assign."""
     return {name.id for name in _names(body) if isinstance(name.ctx, ast.Store)}
 
 
@@ -63,7 +63,7 @@ def _names(body: list[ast.stmt]) -> Iterator[ast.Name]:
 
 
 def jumps(body: list[ast.stmt]) -> bool:
-    """Tell whether statements leave, or begin anew, the loop that they are the body of."""
+    """Return whether statements contain a ``break`` or ``continue`` of the loop around them."""
     for statement in body:
         if isinstance(statement, ast.Break | ast.Continue):
             return True
@@ -73,7 +73,7 @@ def jumps(body: list[ast.stmt]) -> bool:
 
 
 def read_beyond_its_loops(body: list[ast.stmt], name: str) -> bool:
-    """Tell whether the variable of counted loops is read outside of them."""
+    """Return whether the variable of counted loops is read outside them."""
     waiting: list[ast.AST] = list(body)
     while waiting:
         node = waiting.pop()

@@ -11,7 +11,7 @@ HEADINGS = "| function | reads | writes |\n|---|---|---|"
 
 
 def readme(code: CCode) -> str:
-    """Return the README: what the files are, how to use them, what the functions take."""
+    """Return the README: the files, their use, and the arguments of the functions."""
     rows = "\n".join(_row(code, call) for call in calls_of(code))
     first = next((call for call in calls_of(code) if call.reads), calls_of(code)[0])
     tolerance = TOLERANCES[code.precision.name]
@@ -64,7 +64,7 @@ def _said(argument: Argument) -> str:
 
 
 def _in_cell(text: str) -> str:
-    """Return a text as a cell of Markdown shows it: names of others neither end it nor are HTML."""
+    """Return a text for a Markdown cell, which it can neither end nor fill with HTML."""
     return printable(text).replace("&", "&amp;").replace("<", "&lt;").replace("|", "\\|")
 
 
