@@ -106,7 +106,7 @@ class Precision:
         if not hasattr(thing, "_fields"):
             raise NotExportable(
                 f"{code}, a {type(thing).__name__}",
-                "it is no number, array or NamedTuple of these",
+                "it is not a number, an array or a NamedTuple of these",
                 "one of these",
             )
         fields = {name: self.value_of(f"{code}_{name}", part) for name, part in _parts(thing)}

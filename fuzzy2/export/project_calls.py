@@ -75,8 +75,8 @@ enum {{
     CALLS_DIGITS = {17 if code.precision.name == "double" else 9} /* of a number, to the last bit */
 }};
 
-/* A function: how many numbers it reads and writes, what it returns being the first of these, and
- * whether it only puts what is remembered to its beginning. */
+/* A function: how many numbers it reads and writes (its return value is the first of these), and
+ * whether it only resets the state. */
 typedef struct {{
     const char *name;
     int reads;
@@ -86,7 +86,7 @@ typedef struct {{
 
 extern const calls_function calls_functions[CALLS_FUNCTIONS];
 
-/* Call a function. What is remembered between two calls is in one struct. */
+/* Call a function. The state between two calls is in one struct. */
 void calls_call(int function, const calls_number *reads, calls_number *writes);
 
 #endif

@@ -18,22 +18,21 @@ CASES = 200
 """Number of cases; each calls every function once."""
 
 ROOM, GREATEST = 8.0, float(np.finfo(float).max)
-"""Numbers are drawn as so many parts of what they become, and kept below the greatest there is."""
+"""Numbers are drawn divided by the first value, and limited to the second, the greatest float."""
 
 CASES_A_RUN = 20
-"""What is remembered begins anew after so many cases. At the end of a run come numbers that are
-none, since what is remembered may be spoilt by them.
+"""The state is reset after this many cases.
+
+A run ends with NaN or infinite inputs, because they may spoil the state.
 """
 
 TOLERANCES = {"double": 1e-12, "single": 1e-3}
-"""By how much answers may differ, as a share of their size: in double precision by what another C
-library rounds otherwise, in single precision by its roundings.
-"""
+"""Relative tolerances of results: in double precision for the different roundings of another C
+library, in single precision for its own roundings."""
 
 ROUNDINGS, ROUNDED_RUNS = 300.0, 3
-"""In single precision an answer may also differ by so many times what one rounding of the inputs
-makes of it, the largest of so many runs: near a singular pose that is more than a share of it.
-"""
+"""In single precision a result may also differ by a multiple of the effect of rounding the inputs,
+the largest in several runs. Near a singular pose that exceeds the relative tolerance."""
 
 
 def drawn(low: Any, high: Any, seed: int = 0) -> Array:
@@ -199,7 +198,7 @@ class Cases:
         """Return ``cases.h``."""
         tolerance = TOLERANCES[self.code.precision.name]
         return f"""\
-/* What test.c calls, and what the same functions wrote in Python. */
+/* The calls of test.c, and the results of the same functions in Python. */
 #ifndef CASES_H
 #define CASES_H
 
@@ -210,10 +209,10 @@ enum {{ CASES = {CASES}, CASES_CALLS = {len(self.done)} }};
 /* The number of the function of each call. */
 extern const unsigned char cases_functions[CASES_CALLS];
 
-/* Call by call the numbers that are read, and those that Python wrote. */
+/* For each call the inputs, and the results of Python. */
 extern const double cases_numbers[];
 
-/* Call by call the sizes of the numbers that Python wrote, of which errors are shares. */
+/* For each call the sizes of the results, to which errors are relative. */
 extern const double cases_sizes[];
 
 #endif

@@ -122,7 +122,7 @@ def _of_outputs(system: FuzzySystem) -> NotExportable:
     if isinstance(given, Formulas) and given.asked:
         return NotExportable(
             f"formulas of {', '.join(map(repr, given.asked))}",
-            "they ask for outputs of another system",
+            "they use outputs of another system",
             "formulas of the inputs alone",
         )
     if isinstance(given, FunctionsOfInputs):

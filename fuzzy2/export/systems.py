@@ -137,7 +137,7 @@ def system_of(thing: Any) -> Any:
         thing = thing._system()
     if not isinstance(thing, FuzzySystem | ParallelSystem | AnYaSystem):
         raise NotExportable(
-            f"a {type(thing).__name__}", "it is no fuzzy system", "a system, or a fitted learner"
+            f"a {type(thing).__name__}", "it is not a fuzzy system", "a system, or a fitted learner"
         )
     return thing
 

@@ -260,7 +260,7 @@ def _adaptable_table(system: FuzzySystem) -> Array:
             "take their centroids",
         )
     if system.silent is not None or system.default_outputs is not None:
-        raise NotApplicable(what, "each rule must speak of every output, and there are no defaults")
+        raise NotApplicable(what, "each rule needs a consequent for every output, without defaults")
     if system.table is None:
         raise NotApplicable(
             what,

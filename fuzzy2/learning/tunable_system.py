@@ -275,18 +275,18 @@ def _check_tunable(system: FuzzySystem) -> None:
     ):
         raise NotApplicable(
             what,
-            "it takes rules that join terms by and, without weights, of which each speaks of every "
-            "output, and no default outputs",
+            "its rules must join terms with and, have no weights and a consequent for every "
+            "output; there must be no default outputs",
         )
     for name, terms in zip(system.input_names, system.inputs, strict=True):
         for term in terms:
             if not isinstance(term, Gaussian | GaussianUncertainMean | GaussianUncertainSigma):
-                raise NotApplicable(what, f"the term {term!r} of {name} is no Gaussian")
+                raise NotApplicable(what, f"the term {term!r} of {name} is not a Gaussian")
     if not isinstance(system.consequents, np.ndarray | Linear):
         raise NotApplicable(
             what,
-            "the consequents are neither numbers nor intervals nor linear; put the sets' centroids "
-            "in their place",
+            "the consequents must be numbers, intervals or linear functions; replace sets with "
+            "their centroids",
         )
     given = system.fuzzifier
     fuzzifiers = () if given is None else (given,) if isinstance(given, Fuzzifier) else given

@@ -17,7 +17,7 @@ from fuzzy2.support.quadrature import merged
 
 ROUNDING = 1e-12
 HALVINGS = 60
-"""Steps of a bisection from an interval of length 1 to its last digits."""
+"""Steps of a bisection from an interval of length 1 to full precision."""
 
 
 def best_of_pairs(own: Sequence[Array], reached: Sequence[Array], grade_norm: TNorm) -> Array:

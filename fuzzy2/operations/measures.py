@@ -28,7 +28,7 @@ from fuzzy2.support.checks import Array, listed
 from fuzzy2.support.quadrature import Moments, merged
 
 Footprint: TypeAlias = Type1Set | IntervalType2Set
-"""A set with a lower and an upper membership function; of a type-1 set both are the set itself."""
+"""A set with a lower and an upper membership function; for a type-1 set both are the set itself."""
 
 
 def cardinality(fuzzy_set: Footprint) -> tuple[float, float]:

@@ -222,7 +222,7 @@ T_CONORMS = MappingProxyType(
 
 
 ALIASES = MappingProxyType({"prod": "product", "probor": "probabilistic"})
-"""Other names of t-norms and t-conorms, MATLAB's."""
+"""MATLAB's names of t-norms and t-conorms."""
 
 
 def _violated_law(function: BinaryFunction, identity: float) -> str | None:

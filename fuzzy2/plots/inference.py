@@ -18,7 +18,7 @@ from fuzzy2.systems.operators import SUM
 from fuzzy2.systems.shares import points_of_rules
 
 MOST = 12
-"""Rules that are drawn, those that contribute most."""
+"""Greatest number of rules that are drawn; those that contribute most are chosen."""
 
 
 def figure_of_inference(

@@ -33,10 +33,10 @@ from fuzzy2.support.checks import Array, of_kind, reals
 from fuzzy2.support.quadrature import merged
 
 POINTS = 513
-"""Points along a curve, besides those where it bends."""
+"""Number of points along a curve, besides those where it bends."""
 
 ACROSS = 301
-"""Points and primary memberships in the picture of a general type-2 set."""
+"""Numbers of points and of primary memberships in the picture of a general type-2 set."""
 
 VISIBLE = 3e-3
 """Membership grade below which the tail of an unbounded set is left out."""

@@ -40,12 +40,11 @@ from fuzzy2.sets.type1 import Type1Set
 from fuzzy2.support.checks import Array, known_name, reals
 
 STANDARD_DEVIATIONS = 2.0
-"""Half-width :math:`k` of a Gaussian weight, in standard deviations, in its validity measure
-(eq. 1.109, 1.114).
-"""
+"""Half-width :math:`k` of a Gaussian weight in the validity measure, in standard deviations (eq.
+1.109, 1.114)."""
 
 VALIDITY_LIMIT = 0.1
-"""Validity measure above which a system that uses the approximation warns when it is made."""
+"""Validity measure above which a system that uses the approximation warns at construction."""
 
 Number = TypeVar("Number", IntervalNumber, GaussianNumber, FuzzyNumber)
 AnyNumber: TypeAlias = IntervalNumber | GaussianNumber | FuzzyNumber

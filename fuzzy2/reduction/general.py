@@ -40,7 +40,7 @@ from fuzzy2.support.checks import Array, listed, of_kind, real, reals, whole_num
 from fuzzy2.support.quadrature import merged
 
 MOST_EMBEDDED_SETS = 1_000_000
-"""Embedded sets that are enumerated at most: some seconds."""
+"""Greatest number of embedded sets that are enumerated, which takes some seconds."""
 
 
 class TypeReducedPlanes(NamedTuple):

@@ -14,9 +14,9 @@ from fuzzy2.support.checks import Array, binary_exponent
 from fuzzy2.support.pieces import pieces
 
 STEP = 40.0
-"""Gap between logarithms beyond which the smaller weight is less than rounding of the greater."""
+"""Gap between logarithms beyond which the smaller weight is below the rounding of the greater."""
 DEEPEST = 700.0
-"""The same beyond which it is no float."""
+"""Gap between logarithms beyond which the smaller weight underflows."""
 
 
 def centroid_in_logarithms(points: Array, logarithms: Array) -> Array:

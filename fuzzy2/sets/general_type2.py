@@ -41,7 +41,7 @@ class EmbeddedType2Set(NamedTuple):
     points: Array
     """Points, (N,)."""
     memberships: Array
-    """Primary memberships chosen, (N,)."""
+    """Chosen primary memberships, (N,)."""
     grades: Array
     """Their secondary grades, (N,)."""
 

@@ -14,11 +14,11 @@ from fuzzy2.support.quadrature import merged
 from fuzzy2.support.shown import Curve, Shown, captioned, small_picture
 
 POINTS = 61
-"""Points of a curve besides those where it bends."""
+"""Number of points of a curve besides those where it bends."""
 TAIL = 3e-3
 """Grade below which the tail of an unbounded set is left out."""
 LOWEST_PLANE = 0.01
-"""The α-plane that stands for a general type-2 set."""
+"""The α-plane that represents a general type-2 set."""
 
 
 def picture_of_sets(sets: Sequence[Any], name: str) -> Markup:

@@ -18,7 +18,7 @@ from fuzzy2.support.checks import Array, real
 from fuzzy2.support.quadrature import merged
 
 LEAST_SLOPE = 1e-300
-"""With less a sigmoid reaches farther than floating-point numbers do."""
+"""With a smaller slope a sigmoid extends beyond the range of floats."""
 
 SLOPE = f"a finite number, {LEAST_SLOPE:g} or more from 0"
 

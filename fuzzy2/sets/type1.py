@@ -15,12 +15,11 @@ from fuzzy2.support.checks import Array, maybe_infinite, real, reals, share, who
 from fuzzy2.support.quadrature import Moments, merged
 
 ROUNDING = 1e-12
-"""Grades that differ by no more than this are the same."""
+"""Grades that differ by no more than this are considered equal."""
 
 KernelRow = tuple[float, float, float, float, float, float, float, float, float]
-"""What the compiled kernels know of a set: its kind, then eight numbers; see
-:meth:`Type1Set.kernel_row`.
-"""
+"""Row of a set for the compiled kernels: its kind, then eight numbers; see
+:meth:`Type1Set.kernel_row`."""
 
 
 class Type1Set(ShownSet, ABC):

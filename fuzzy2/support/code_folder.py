@@ -52,7 +52,7 @@ def _first_that_serves(chosen: str, caches: Path, temporary: Path) -> Path | Non
     if _is_writable(instead) and is_private(instead):
         logger.warning("%s; it is kept in %s, unless NUMBA_CACHE_DIR names a folder", why, instead)
         return instead
-    logger.warning("%s; each process makes it anew, unless NUMBA_CACHE_DIR names a folder", why)
+    logger.warning("%s; each process compiles it again, unless NUMBA_CACHE_DIR names a folder", why)
     return None
 
 

@@ -31,7 +31,7 @@ from fuzzy2.systems.system import FuzzySystem
 from fuzzy2.systems.words import rules_in_words
 
 STEP = 1e-3
-"""Step of differences, in units of a cloud's range and the 1 that distances are set against."""
+"""Step of differences, relative to a cloud's range plus 1, the scale of the densities."""
 
 
 @dataclass(frozen=True, repr=False)

@@ -28,7 +28,7 @@ from fuzzy2.systems.terms import highest_point, spread
 
 _HALVINGS = 100
 _BEYOND = 1e6
-"""Widths within which consequents without a range are asked for grades."""
+"""Distance, in widths of a set, within which consequents without a range are searched."""
 
 
 def averaged(

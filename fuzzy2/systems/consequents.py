@@ -146,7 +146,7 @@ class Formulas(FunctionsOfInputs):
                 raise InvalidValue("a name in a formula", name, f"one of {', '.join(known)}")
         asked = {name for row in self._formulas for one in row for name in one.names}
         self.asked = {name: other for name, other in self.others.items() if name in asked}
-        """Those of ``others`` that a formula asks for."""
+        """The members of ``others`` that a formula uses."""
 
     @property
     def shape(self) -> tuple[int, int]:

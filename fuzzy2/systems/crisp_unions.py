@@ -24,11 +24,11 @@ from fuzzy2.systems.united_kernels import _cuts, _nodes_of, _one_grade, _pieces_
     SMALLEST_ABSOLUTE,
     LARGEST_ABSOLUTE,
 ) = range(9)
-"""Codes of what is asked of a union; ``MIDDLE_OF_AREA`` is fuzzylite's bisector, of samples."""
+"""Codes of the quantities of a union; ``MIDDLE_OF_AREA`` is fuzzylite's bisector of samples."""
 SAME = 1e-12
-"""Share of the greatest grade within which grades are the greatest, too."""
+"""Relative difference below which grades are equal to the greatest."""
 NARROW = 1e-9
-"""Share of the range below which plateaus are points."""
+"""Share of the range below which plateaus are treated as points."""
 HALVINGS = 60
 
 

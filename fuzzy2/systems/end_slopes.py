@@ -11,9 +11,8 @@ from fuzzy2.reduction.logarithms import relative
 from fuzzy2.support.checks import Array
 
 TIE = 1e-13
-"""A consequent equals the output where they differ by less than this, relative to the largest
-consequent: some roundings.
-"""
+"""A consequent equals the output if they differ by less than this, relative to the largest
+consequent, which is some rounding errors."""
 
 
 def left_end(points: Array, rises: Array, y: Array, weights: Array, rates: Array) -> Array:

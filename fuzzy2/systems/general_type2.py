@@ -366,8 +366,8 @@ class GeneralType2System(FuzzySystem):
         ):
             raise NotApplicable(
                 name,
-                "it takes rules that join terms by and, without weights, of which each speaks of "
-                "every output, no default outputs, and an exact method",
+                "its rules must join terms with and, have no weights and a consequent for every "
+                "output; it needs an exact method and no default outputs",
             )
         if (
             self.t_norm.name != "product"

@@ -52,7 +52,7 @@ class Scaled:
 
 
 NAMED_FUNCTIONS = MappingProxyType({"intensify": intensify, "relax": relax})
-"""Functions of hedges that files know by name."""
+"""Functions of hedges that have a name in files."""
 
 
 @dataclass(frozen=True)
@@ -139,10 +139,10 @@ HEDGES = MappingProxyType(
         )
     }
 )
-"""Hedges that every system knows."""
+"""Hedges that every system accepts."""
 
 ANY = "any"
-"""Word for whatever value: ``x is any`` holds always."""
+"""Word for any value: ``x is any`` always holds."""
 
 
 def known_hedges(
@@ -161,7 +161,7 @@ def known_hedges(
     for name, hedge in (given or {}).items():
         word = " ".join(str(name).split()).lower()
         if word in ("", "not", ANY, "is", "if", "then", "and", "or", "else", "with"):
-            raise InvalidValue("hedges", name, "words that are no keywords")
+            raise InvalidValue("hedges", name, "words that are not keywords")
         if not isinstance(hedge, Hedge) and not callable(hedge):
             raise InvalidValue(f"hedge {name!r}", hedge, "a Hedge, or a function of grades")
         known[word] = hedge if isinstance(hedge, Hedge) else Hedge(word, function=hedge)

@@ -14,7 +14,7 @@ from fuzzy2.systems.antecedents import And, Antecedent, Hedged, Is, Not, Or
 from fuzzy2.systems.table import CONORMS, NORMS
 
 VANISHED = 1e-280
-"""Firing strengths below this one have lost digits, or all of them, to underflow."""
+"""Firing strengths below this threshold have lost digits to underflow, or are 0."""
 
 _Combine = Callable[[Array, Array], Array]
 
@@ -25,9 +25,9 @@ class LogNorms(NamedTuple):
     both: _Combine
     either: _Combine
     both_not: _Combine
-    """The t-norm that joins complements where ``either`` joins grades."""
+    """The t-norm of complements that corresponds to ``either`` for grades."""
     either_not: _Combine
-    """The t-conorm that joins complements where ``both`` joins grades."""
+    """The t-conorm of complements that corresponds to ``both`` for grades."""
 
 
 def log_norms(both: str, either: str) -> LogNorms:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from fuzzy2.support.checks import Array
 
 _SAME = 1e-12
-"""Share of the greatest grade within which grades are the greatest, too."""
+"""Relative difference below which grades are equal to the greatest."""
 _CLOSER_POINTS, _CLOSER_GRIDS = 17, 16
 
 

@@ -10,7 +10,7 @@ from fuzzy2.operations.t_norms import T_NORMS, TNorm
 from fuzzy2.support.checks import Array
 
 SlopeRule = Callable[[Array, Array, Array, Array], Array]
-"""From a grade, its derivative, another grade and its derivative to that of both."""
+"""Takes two grades, each followed by its derivative, and returns the derivative of their t-norm."""
 
 
 def _of_product(a: Array, a_rate: Array, b: Array, b_rate: Array) -> Array:

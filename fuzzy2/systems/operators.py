@@ -40,13 +40,13 @@ from fuzzy2.operations.t_norms import T_CONORMS, T_NORMS, BinaryFunction, TConor
 from fuzzy2.reduction.interval import METHODS as EXACT_METHODS
 
 POINTS = ("center_of_sets", "weighted_sum", "united_average", "united_sum")
-"""Type reductions that take numbers, intervals and functions, too."""
+"""Type reductions that accept numbers, intervals and functions, too."""
 
 HEIGHTS = ("height", "modified_height")
 """Type reductions that average highest points."""
 
 AVERAGES = (*POINTS, *HEIGHTS, "tsukamoto")
-"""Type reductions that go rule by rule."""
+"""Type reductions that average over the rules."""
 
 MAXIMA = (
     "smallest_of_maxima",
@@ -56,25 +56,25 @@ MAXIMA = (
     "smallest_absolute_maximum",
     "largest_absolute_maximum",
 )
-"""Type reductions that take a point of the greatest grade."""
+"""Type reductions that return a point of greatest grade."""
 
 UNIONS = ("centroid", "center_of_sums", "bisector", *MAXIMA)
-"""Type reductions that unite the sets of the rules first."""
+"""Type reductions that first unite the sets of the rules."""
 
 TYPE_REDUCTIONS = (*AVERAGES, *UNIONS)
-"""Names of the ways from firing intervals to a type-reduced set."""
+"""Names of the type reductions."""
 
 CRISP_ONLY = ("bisector", *MAXIMA, "tsukamoto")
-"""Type reductions that are defined for type-1 systems."""
+"""Type reductions that are only defined for type-1 systems."""
 
 DIRECT_METHODS = ("nie_tan", "wu_mendel", "begian_melek_mendel")
-"""Methods that go to the crisp output without the type-reduced interval, approximately."""
+"""Approximate methods that compute the crisp output without the type-reduced interval."""
 
 METHODS = (*EXACT_METHODS, *DIRECT_METHODS)
 """Names of the methods of type reduction of a system."""
 
 INTEGRATIONS = ("exact", "sum", "trapezoidal", "midpoint", "left")
-"""How the centroid of united sets is found: by integration, or as a sum over points from end to
+"""How the centroid of united sets is computed: by integration, or as a sum over points from end to
 end, over trapezoids between them, over the middles of equal pieces, or over their left ends."""
 
 ALIASES = MappingProxyType(
@@ -90,7 +90,7 @@ ALIASES = MappingProxyType(
 """Other names of type reductions."""
 
 SUM = TConorm("sum", np.add, T_NORMS["lukasiewicz"])
-"""Aggregation that adds the sets of the rules up, above 1, too. It is no t-conorm."""
+"""Aggregation that adds up the sets of the rules, even above 1. It is not a t-conorm."""
 
 AGGREGATIONS = MappingProxyType({**T_CONORMS, SUM.name: SUM})
 """Ways to unite the sets of the rules, by name."""

@@ -22,9 +22,9 @@ from fuzzy2.systems.kernels import rooms, work_size
 from fuzzy2.systems.log_firing_kernels import log_fire, lost
 
 EXACT, NIE_TAN, WU_MENDEL, BEGIAN_MELEK_MENDEL, WEIGHTED_SUM = range(5)
-"""Codes of the ways from weighted points to an interval."""
+"""Codes of the methods that reduce weighted points to an interval."""
 SUMMED = -1
-"""Code of the sum among those of t-conorms."""
+"""Code of the sum among the codes of t-conorms."""
 
 
 class Points(NamedTuple):

@@ -14,7 +14,7 @@ from fuzzy2.systems.explainable import Explainable
 from fuzzy2.systems.words import rules_in_words
 
 MOST_RULES = 20
-"""Rules that are shown."""
+"""Greatest number of rules that are shown."""
 
 
 def html_of(system: Explainable) -> Markup:

@@ -69,7 +69,7 @@ class Report:
         lines += [f"no rule asks whether {name} is {term}" for name, term in self.unused_terms]
         lines += [f"rules {a + 1} and {b + 1} are the same" for a, b in self.duplicate_rules]
         lines += [
-            f"rules {a + 1} and {b + 1} ask for the same and say different things"
+            f"rules {a + 1} and {b + 1} have the same antecedent and different consequents"
             for a, b in self.conflicting_rules
         ]
         return "; ".join(lines)

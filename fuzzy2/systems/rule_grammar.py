@@ -211,8 +211,8 @@ class _Reader:
             variable, words, term = self.clause(clause)
             if term is None or any(word != "not" for word in words):
                 raise self.error(
-                    f"hedges what it says of {variable!r}; hedges belong to what is asked, and "
-                    "THEN takes a term, or not and a term"
+                    f"has a hedge before the term of the output {variable!r}; hedges belong to the "
+                    "antecedent, and THEN takes a term, or not and a term"
                 )
             found.append((variable, term, len(words) % 2 == 1))
         return tuple(found)
@@ -228,7 +228,7 @@ class _Reader:
         for word, token in zip(before, words[:-1], strict=True):
             if word != "not" and (token.type == "QUOTED" or word not in self.hedges):
                 raise self.error(
-                    f"has {str(token)!r} before {_plain(last)!r}, which is no hedge (known: "
+                    f"has {str(token)!r} before {_plain(last)!r}, which is not a hedge (known: "
                     f"{', '.join(self.hedges)}); a name with a blank in it stands in double quotes"
                 )
         anything = last.type == "WORD" and str(last).lower() == ANY

@@ -55,16 +55,14 @@ Clauses: TypeAlias = tuple[tuple[str, str], ...]
 """Pairs of a variable and one of its terms, in the order in which they are written."""
 
 Conclusions: TypeAlias = tuple[tuple[str, str | Negated], ...]
-"""Pairs of an output and the term, or the negated term, that is said of it."""
+"""Pairs of an output and its term, which may be negated."""
 
 Vocabulary = Mapping[str, Iterable[str]]
-"""Names of the terms of each variable, as a dictionary of them or in a list; the order gives them
-their numbers.
-"""
+"""Names of the terms of each variable, as a dictionary or a list; their order determines their
+numbers."""
 
 LEAST_LIKENESS = 0.5
-"""Names that have less in common are not suggested: twice the letters that match over all
-letters.
+"""Names with a smaller similarity, twice the matching letters over all letters, are not suggested.
 """
 
 

@@ -32,7 +32,7 @@ from fuzzy2.systems.output_kernels import EXACT, SUMMED, WU_MENDEL, _mean, reduc
 from fuzzy2.systems.union_rows import _as_floats, _most
 
 CERTAIN = 4
-"""Code of the way to the centroid of unions that have one membership function."""
+"""Code of the centroid of unions that have a single membership function."""
 
 
 class Sampled(NamedTuple):

@@ -23,9 +23,9 @@ from fuzzy2.systems.operators import DIRECT_METHODS, SUM
 from fuzzy2.systems.terms import domain_of
 
 POINTS = 4001
-"""Points of the output at which the highest set is looked for."""
+"""Number of points of the output at which the highest set is determined."""
 ROUNDING = 1e-13
-"""Distance of a point from an end, relative to the largest, below which they are equal."""
+"""Distance of a point from an end, relative to the largest point, below which they are equal."""
 
 
 def shares_of(system: Explainable, row: Array, logarithms: Array, far: bool) -> Array:

@@ -21,7 +21,7 @@ from fuzzy2.systems.operators import MAXIMA
 from fuzzy2.systems.terms import domain_of
 
 _BLOCK, _GRADES = 64, 2**22
-"""Inputs whose united sets are held at a time on a grid, and the most grades of them."""
+"""Greatest number of inputs whose united sets are in memory at a time, and of their grades."""
 
 
 class Summed:

@@ -293,7 +293,7 @@ class FuzzySystem(Shown):
         kind = self.type_reduction
         if kind not in POINTS and self.consequent_sets is None:
             raise NotApplicable(
-                f"type reduction {kind!r}", "the consequents are no sets; use center_of_sets"
+                f"type reduction {kind!r}", "the consequents are not sets; use center_of_sets"
             )
         if kind in CRISP_ONLY and not isinstance(self, Type1System):
             raise NotApplicable(
@@ -974,7 +974,7 @@ class FuzzySystem(Shown):
         if shape or self.type_reduction != "center_of_sets" or self.silent is not None:
             raise NotApplicable(
                 "embedded_outputs",
-                "it takes one input of a center-of-sets system whose rules speak of every output",
+                "it needs one input, center of sets, and a consequent of each rule for every output",
             )
         strengths = self._firing(rows)[0]
         intervals = (

@@ -12,9 +12,9 @@ from fuzzy2.support.checks import Array
 from fuzzy2.systems.antecedents import Antecedent, depth_of, program_of
 
 NORMS = ("min", "product", "lukasiewicz", "drastic", "nilpotent", "hamacher", "einstein")
-"""T-norms that the compiled loop knows for *and*, by their codes."""
+"""T-norms that the compiled loop supports for *and*, in the order of their codes."""
 CONORMS = ("max", "probabilistic", "lukasiewicz", "drastic", "nilpotent", "hamacher", "einstein")
-"""T-conorms that the compiled loop knows for *or*, by their codes."""
+"""T-conorms that the compiled loop supports for *or*, in the order of their codes."""
 
 
 class Supplement(NamedTuple):

@@ -54,15 +54,16 @@ piece for interval type-2 ones, whose centroid may end on a tail."""
 NEGLIGIBLE = 1e-280
 """Area below which grades are too small for a relative error."""
 MOST_ROUGH = 1000
-"""Pieces of an input that are halved at a time."""
+"""Greatest number of pieces of an input that are halved at a time."""
 DEEPEST = 48
-"""Halvings of a piece; then it is about as narrow as the distance between two floats."""
+"""Greatest number of halvings, after which a piece is as narrow as the distance between two
+floats."""
 ITERATIONS = 100
-"""Steps of Newton's iteration, of which five are usual."""
+"""Greatest number of Newton steps; about five are usual."""
 _BETWEEN = 16  # points between two nodes at which maxima are searched
 _HALVINGS = 60
 BLOCK = 256
-"""Inputs that are integrated at a time."""
+"""Number of inputs that are integrated at a time."""
 
 _Membership = Callable[[NDArray[np.intp], Array], Array]
 

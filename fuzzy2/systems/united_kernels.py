@@ -17,16 +17,16 @@ from fuzzy2.systems.firing_kernels import TERM, _grades
 
 MOST_PIECES = 4096
 USUAL_PIECES = 256
-"""Pieces for which there is room at first: more would cost a single call more than its sums."""
+"""Number of pieces that fit into memory at first; allocating more would dominate a single call."""
 STACK = 64
 MOST_TURNS = 2 * MOST_PIECES
-"""Pieces that are looked at, of noise that no halving makes smoother."""
+"""Greatest number of pieces that are evaluated, because halving does not make noise smoother."""
 ROOM = 6 * STACK + 8
-"""Numbers that the integration of a union needs beside its nodes and pieces."""
+"""Size of the scratch space for integrating a union, besides its nodes and pieces."""
 UNION_ROUNDING = 1e-15
-"""What roundings make of a number of 1."""
+"""Effect of rounding errors on a number of size 1."""
 UNION_INSET = 1e-9
-"""As a share of a piece, how far from its ends it is looked at and split."""
+"""Distance from the ends of a piece at which it is evaluated and split, as a share of the piece."""
 
 
 @scalar
