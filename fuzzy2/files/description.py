@@ -33,7 +33,7 @@ SUM = "sum"
 """Name of the aggregation that adds the output sets of the rules instead of uniting them."""
 
 SILENT = -1
-"""Instead of the number of a term: the rule says nothing of the output."""
+"""Number of a missing term: the rule has no consequent for the output."""
 
 
 class Constant(NamedTuple):

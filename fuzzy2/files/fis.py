@@ -98,7 +98,7 @@ def read_fis(path: str | os.PathLike[str], dialect: str | None = None) -> AnySys
     -------
     Type1System, IntervalType2System or ParallelSystem
         Mamdani systems with the reducer ``"centroid"`` (``"center_of_sums"`` if the file sums), on
-        101 points but for fuzzylite's; Sugeno systems with ``"center_of_sets"``.
+        101 points except for fuzzylite's; Sugeno systems with ``"center_of_sets"``.
 
     Raises
     ------

@@ -58,7 +58,7 @@ DEFUZZIFIERS = {
 """Defuzzifiers. JFML's mean of maxima is the middle between the first and the last."""
 
 OWN_INSTRUCTION = "fuzzy2"
-"""Target of the processing instruction that says how this package integrates."""
+"""Target of the processing instruction that stores how this package integrates."""
 
 OWN_WORDS = ("integration", "resolution")
 """Words of the processing instruction."""

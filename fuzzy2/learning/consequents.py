@@ -26,8 +26,8 @@ COMPLETIONS = ("nearest", "average", "none", "refuse")
 LEAST_FIRING = 1e-3
 """Firing below which a sample is not used for a rule."""
 _BLOCK = 2**22  # firing strengths held in memory at once
-_FAST = 2**16  # as many of them stay in the fast memory
-_ROWS = 512  # samples of a block at least, if memory lets it be: sums over blocks cost, too
+_FAST = 2**16  # firing strengths that fit into the cache
+_ROWS = 512  # least samples of a block if memory allows, because sums over blocks cost, too
 
 
 class Learned(NamedTuple):

@@ -104,7 +104,7 @@ def snr_from_mean_variation(mean_variation: ArrayLike) -> Array:
 
 
 def add_noise(signal: ArrayLike, snr_db: float, rng: np.random.Generator) -> Array:
-    r"""Return a signal with white Gaussian noise of a given signal-to-noise ratio added.
+    r"""Return a signal with white Gaussian noise with a given signal-to-noise ratio added.
 
     .. math:: y_t = x_t + \sqrt{P\,10^{-S/10}}\;\varepsilon_t, \qquad
               P = \frac{1}{N} \sum_t x_t^2, \quad \varepsilon_t \sim N(0, 1)

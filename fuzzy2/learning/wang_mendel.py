@@ -77,18 +77,20 @@ class WangMendel(Regressor):
     The rules are the cells of the grid of all inputs' terms, or clusters of the samples.
     ``learner`` chooses how the consequent of a rule is learned:
 
-    - ``"strongest"``, this package's default: that of the sample that fires the rule most (the
-      first of several), so that no cell stays empty.
-    - ``"strict"``: the table look-up of Wang and Mendel as published. Every sample makes one rule,
-      of the terms in which its inputs (and output) have most membership; its degree is the t-norm
-      of these memberships; of rules for the same cell the one of the highest degree stays. Cells
-      without a rule are completed as ``completion`` says.
-    - ``"average"``: the average of all samples, weighted with how strongly they fire the rule.
+    - ``"strongest"``, the default: the output of the sample that fires the rule most (the first of
+      several), so no cell stays empty.
+    - ``"strict"``: the table look-up as Wang and Mendel published it. Every sample makes one rule
+      from the terms in which its inputs (and its output) have the greatest membership. The degree
+      of the rule is the t-norm of these memberships, and among rules for the same cell the one with
+      the highest degree is kept. Cells without a rule are completed according to ``completion``.
+    - ``"average"``: the average of the outputs of all samples, weighted with their firing of the
+      rule.
     - ``"ridge"``: the consequents c that minimize
       :math:`\frac{1}{N} \sum_n \lVert y_n - \sum_r \phi_{nr} c_r \rVert^2
       + \lambda \sum_r \lVert c_r - \bar c_r \rVert^2`,
-      with :math:`\phi` the firing strengths of the type-1 system over their sum and :math:`\bar c`
-      the averages: least squares where the samples say something, the average where they do not.
+      where :math:`\phi` are the firing strengths of the type-1 system divided by their sum and
+      :math:`\bar c` the averages. They follow from least squares where samples determine them, and
+      stay near the averages elsewhere.
 
     Firing here means that of the principal (type-1) terms.
 

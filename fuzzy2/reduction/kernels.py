@@ -8,8 +8,8 @@ Whether point k lies below the average is decided without computing the average:
 moment F relative to the points below it is smaller than its moment H relative to the points above
 it,
 
-    F(k) = sum of before[i] (z[k] - z[i]) over i < k < H(k) = sum of after[i] (z[i] - z[k]) over i >
-    k.
+    F(k) = sum of before[i] (z[k] - z[i]) over i < k,
+    H(k) = sum of after[i] (z[i] - z[k]) over i > k.
 
 Weight k itself does not enter. So a weight that exceeds all others by more digits than a float has
 does not spoil the decision, as it would if z[k] were compared with an average that it dominates. F

@@ -61,7 +61,7 @@ def trapezoid(x: Array, a: float, b: float, c: float, d: float, height: float) -
 
 
 def trapezoid_slopes(x: Array, a: float, b: float, c: float, d: float, height: float) -> Array:
-    """Return the derivative of the membership of a trapezoid from the right.
+    """Return the right-hand derivative of the membership of a trapezoid.
 
     At a corner it is the slope of the edge to the right.
     """

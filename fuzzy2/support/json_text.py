@@ -30,8 +30,8 @@ def parse_json(text: str, source: str = "document") -> Any:
     ------
     MalformedFile
         If it is not JSON (``place`` is the line and column), or is nested too deeply, has more than
-        :data:`MOST_PARTS` lists, objects and names, a number that JSON has no word for or that is
-        too large for a float, half of a surrogate pair in a string, or gives a name twice
+        :data:`MOST_PARTS` lists, objects and names, a number that JSON cannot represent or that
+        is too large for a float, a lone surrogate in a string, or a repeated name
         (``place`` is the path).
     """
     # The limit is checked before parsing, because each part takes some hundred bytes, however short

@@ -17,8 +17,8 @@ from fuzzy2.errors import NotApplicable
 from fuzzy2.support.checks import Array
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
-TOLERANCE = 1e-13  # of a piece's own integral: what sixteen points reach before rounding shows
-NEGLIGIBLE = 1e-280  # below it relative accuracy is lost in denormal numbers
+TOLERANCE = 1e-13  # relative to a piece's own integral; sixteen points reach it before rounding
+NEGLIGIBLE = 1e-280  # below this, denormal numbers lose relative accuracy
 MOST_PIECES = 20_000
 # number of halvings after which a piece at a jump is as narrow as the distance between two floats
 DEEPEST = 60

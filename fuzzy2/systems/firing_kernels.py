@@ -9,18 +9,22 @@ import numpy as np
 from fuzzy2.support.compiled import compiled, scalar
 from fuzzy2.systems.shape_kernels import PAIR, SAMPLES, grade_of_shape
 
-# Inference. A system is one array of floats, so that a call hands over one table and not seven
-# arrays. It starts with (inputs p, terms T, rules R, outputs m, t-norm code, where the supplement
-# begins or 0 where there is none, how exponents are added, see ``_fire_by_exponents``), then follow
-#   terms T rows of 10: index of the input, then what kernel_row() gives rules R rows of p: index of
-#   the term, or -1 where the input plays no part ends R rows of 2 m: left ends of the consequents,
-#   above the least of their output, then right ends, below the greatest least, greatest m numbers
-#   each sorted 2 m rows of R: these distances in ascending order orders 2 m rows of R: the rules in
-#   that order
-#   supplement of a system that is more than that, see ``fuzzy2.systems.table.supplement_of``:
-#   (t-conorm code, whether rules are trees, whether a rule is silent or an output has a default,
-#   deepest stack), R weights, R rows of m: whether a rule is silent, m defaults or NaN, R + 1
-#   places where the steps of the rules begin, and the steps of ``fuzzy2.systems.antecedents``
+# Inference. A system is one array of floats, so that a call passes one table instead of seven
+# arrays. It begins with the number of inputs p, terms T, rules R and outputs m, the code of the
+# t-norm, the place of the supplement (0 if there is none), and how exponents are added, see
+# ``_fire_by_exponents``. Then follow
+#   terms       T rows of 10: number of the input, then the result of kernel_row()
+#   rules       R rows of p: number of the term, or -1 if the rule does not use the input
+#   ends        R rows of 2 m: distances of the left ends of the consequents above the least of
+#               their output, then distances of the right ends below the greatest
+#   least, greatest   m numbers each
+#   sorted      2 m rows of R: these distances in ascending order
+#   orders      2 m rows of R: the rules in that order
+#   supplement  of systems that need one, see ``fuzzy2.systems.table.supplement_of``: four numbers
+#               (code of the t-conorm, whether rules are trees, whether a rule has no consequent for
+#               an output or an output has a default, deepest stack), R weights, R rows of m:
+#               whether a rule has no consequent, m defaults or NaN, R + 1 places where the steps
+#               of the rules begin, and the steps of ``fuzzy2.systems.antecedents``
 HEADER = 7
 TERM = 10
 SUPPLEMENT = 4

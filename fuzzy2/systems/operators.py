@@ -18,9 +18,9 @@ name                          answer
 "smallest_absolute_maximum"   of these points the one nearest to 0, MATLAB's smallest of maxima
 "largest_absolute_maximum"    the one farthest from 0, MATLAB's largest of maxima
 "weighted_sum"                sum of the consequents, weighted with the firing, without dividing
-"united_average"              average of the different consequents, the firing of the rules that
-                              say the same united by the t-conorm first
-"united_sum"                  sum of them in the same way
+"united_average"              average of the different consequents; the firing of rules with
+                              the same consequent is united by the t-conorm first
+"united_sum"                  sum of the different consequents, with the same firing
 "tsukamoto"                   average of the points where monotonic consequents have the grade of
                               the firing
 ============================  ==================================================================

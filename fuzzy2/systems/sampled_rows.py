@@ -160,7 +160,7 @@ def _centroid_in(system, j, weights, points, low, high, below, above, out, o):
 
 @scalar
 def _bisector(points, grades):
-    """Return the median of points weighted with their grades, some of which is not 0."""
+    """Return the median of points weighted with their grades, at least one of which is not 0."""
     greatest, total = 0.0, 0.0
     for i in range(grades.size):
         greatest = max(greatest, grades[i])

@@ -974,7 +974,7 @@ class FuzzySystem(Shown):
         if shape or self.type_reduction != "center_of_sets" or self.silent is not None:
             raise NotApplicable(
                 "embedded_outputs",
-                "it needs one input, center of sets, and a consequent of each rule for every output",
+                "it needs one input, center of sets and rules with a consequent for every output",
             )
         strengths = self._firing(rows)[0]
         intervals = (

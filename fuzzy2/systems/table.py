@@ -136,10 +136,10 @@ def supplement_of(
 ) -> Array | None:
     """Return the supplement as the array that follows a table of ``start`` numbers.
 
-    It is (t-conorm code, whether rules are trees, whether a rule is silent or an output has a
-    default, deepest stack), R weights, R rows of m: whether a rule is silent, m defaults or NaN,
-    R + 1 places where the steps of the rules begin, and the steps; None if a part cannot be
-    compiled.
+    It begins with four numbers: code of the t-conorm, whether rules are trees, whether a rule has
+    no consequent for an output or an output has a default, and deepest stack. Then follow R
+    weights, R rows of m (whether a rule has no consequent), m defaults or NaN, R + 1 places where
+    the steps of the rules begin, and the steps. It is None if a part cannot be compiled.
     """
     trees, conorm, weights, silent, defaults = supplement
     steps: list[list[float]] = []
