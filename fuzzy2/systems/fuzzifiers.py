@@ -103,8 +103,7 @@ class Fuzzifier(ABC):
         t_norm : str, TNorm or callable
             T-norm that combines the memberships of input and term.
         grade_t_norm : str, TNorm or callable
-            T-norm that combines secondary grades. It must be the minimum unless all secondary
-            grades are 1.
+            T-norm of the secondary grades; the minimum, unless they are all 1.
 
         Returns
         -------
@@ -229,14 +228,13 @@ def sup_star(
         \exp\left(-\frac{(x' + m_1 - m_2)^2}{2(\sigma_1 + \sigma_2)^2}\right)
         \text{ (minimum, equal heights 1)},
 
-    They are attained at :math:`x^* = (\sigma_2^2 (x' + m_1) + \sigma_1^2 m_2) / (\sigma_1^2 +
-    \sigma_2^2)` and at the crossing :math:`(\sigma_2 (x' + m_1) + \sigma_1 m_2) / (\sigma_1 +
-    \sigma_2)`. Both membership functions of a Gaussian with an uncertain mean are handled in the
-    same way, with :math:`x^*` limited by their kinks. Under the minimum, convex sets cross once
-    between their maxima, and the crossing is found up to rounding. All other suprema are searched
-    on a grid that closes in on its best points, and only between the maxima if both sets are
-    convex. The search is accurate to 1e-9 for sets without features narrower than 1/32 of the
-    distance between two landmarks.
+    attained at :math:`x^* = (\sigma_2^2 (x' + m_1) + \sigma_1^2 m_2) / (\sigma_1^2 + \sigma_2^2)`
+    and at the crossing :math:`(\sigma_2 (x' + m_1) + \sigma_1 m_2) / (\sigma_1 + \sigma_2)`. Both
+    bounds of a Gaussian with an uncertain mean are handled alike, with :math:`x^*` limited by their
+    kinks. Under the minimum, convex sets cross once between their maxima, and the crossing is found
+    up to rounding. Other suprema are searched on a grid that closes in on its best points, only
+    between the maxima if both sets are convex. The search is accurate to 1e-9 for sets without
+    features narrower than 1/32 of the distance between two landmarks.
 
     Parameters
     ----------
