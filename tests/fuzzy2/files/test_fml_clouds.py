@@ -151,7 +151,7 @@ def test_functions_several_kinds_and_weighted_else_are_refused() -> None:
     with pytest.raises(NotExpressible, match=r"functions of 'tip'.*take order 0"):
         parse_fml(functions)
     other = '<tskVariable name="z" combination="WA"/></knowledgeBase>'
-    with pytest.raises(NotExpressible, match=r"outputs of several kinds.*take one of them"):
+    with pytest.raises(NotExpressible, match=r"outputs of several kinds.*take one kind"):
         parse_fml(TIPPER_OF_CLOUDS.replace("</knowledgeBase>", other))
     with pytest.raises(NotExpressible, match="with a weight"):
         parse_fml(CHANGED.replace('"rule3"', '"rule3" weight="0.5"'))
