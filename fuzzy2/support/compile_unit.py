@@ -81,7 +81,7 @@ class Kernel(CPUDispatcher):
             whole, part = _ScalarCompiler, _ScalarPartCompiler
         super().__init__(function, kinds, options, pipeline_class=whole)
         self._how, self._is_kept = (kinds, options, part), kept
-        # Remove numba's own cache, so that the cached property below replaces it.
+        # Numba's own, which is none.
         del self._cache
 
     # Both are created on demand, because a process needs neither for most of its hundreds of
@@ -104,14 +104,14 @@ class Kernel(CPUDispatcher):
     def compile(self, sig: Any) -> Any:
         """Return the machine code for arguments of these types.
 
-        A thread that waited while another one compiled the code finds it, even if compilation is
-        disabled by now.
+        Who waited while another thread made it finds it there, though nothing else may be compiled
+        any more.
         """
         with global_compiler_lock:
             made: Any = self.overloads.get(tuple(normalize_signature(sig)[0]))
             if made is not None:
                 return made.entry_point
-            # If Ctrl-C interrupts LLVM, it frees memory twice and Python crashes.
+            # LLVM frees things twice, and Python ends, where Ctrl-C comes into the middle of it.
             with deferred_interrupts():
                 return super().compile(sig)
 

@@ -24,31 +24,31 @@ _COMPILING = threading.Lock()
 
 
 def only_for(function: Function, *arguments: Any) -> Function:
-    """Compile a function for arguments of these types, in addition to those requested before.
+    """Compile a compiled function for arguments of these types, and for those asked for before.
 
-    Arguments of any other types raise a TypeError and are never compiled for.
+    All others are a TypeError, and never compiled for.
 
     Parameters
     ----------
     function : callable
-        A function that :func:`compiled` returned.
+        What :func:`compiled` returned.
     *arguments
-        Arguments for a single call, which has these types.
+        Arguments to call it with, once.
 
     Returns
     -------
     callable
-        The same function. A caller can pass user input without checks, and convert it if the
-        function raises a TypeError.
+        The same function. A caller can hand it what users give, unchecked, and convert that where
+        it raises TypeError.
     """
-    # One thread at a time, so that no thread switches compilation off while another still compiles.
+    # One thread at a time: another's compilation must not be switched off before it is done.
     with _COMPILING:
-        # The method is missing if numba's compilation is disabled.
+        # Not there where numba is told not to compile at all.
         disable_compile = getattr(function, "disable_compile", lambda _: None)
         try:
             function(*arguments)
         except TypeError:
-            # It was closed for these types until now.
+            # Closed to these until now.
             disable_compile(False)
             function(*arguments)
         disable_compile(True)
