@@ -166,8 +166,8 @@ class IntervalType2Set(ShownSet):
         ----------
         choice : float or numpy.random.Generator
             A number is the switch point, where the set changes from one membership function to the
-            other. A random generator uniformly draws, for each interval between two landmarks, a constant
-            share of the way from the lower to the upper membership function.
+            other. A random generator draws, uniformly and for each interval between two landmarks,
+            a constant share of the way from the lower to the upper membership function.
         upper_first : bool
             Whether the upper membership function comes before the switch point, as for the left end
             of the centroid. A random set ignores it.
