@@ -1,9 +1,9 @@
 """Type-1, interval and general type-2 fuzzy logic.
 
-Sets, operations, measures, numbers, type reduction, systems, learning, files, plots.
+It covers sets, operations, measures, fuzzy numbers, type reduction, systems, learning, files and
+plots.
 
-Names are imported when they are first used, so ``import fuzzy2`` costs little more than
-``import numpy``.
+Names are imported at their first use, so ``import fuzzy2`` costs little more than ``import numpy``.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Everything this package raises on purpose.
+"""Errors and warnings that this package raises on purpose.
 
-Each error carries the values it is about and says what to do. Messages hold names that files of
-others bring: :func:`printable` is what can be shown of any text.
+Each error carries the values that caused it, and its message says what to do. Messages can quote
+names read from foreign files; :func:`printable` makes any text safe to show.
 """
 
 from __future__ import annotations
@@ -14,31 +14,31 @@ from typing import Any, Self
 import numpy as np
 
 _UNSEEN = re.compile(
-    # Controls but newline and tab: escape sequences, bell, carriage return.
+    # Control characters except newline and tab: escape sequences, bell, carriage return.
     "[\x00-\x08\x0b-\x1f\x7f-\x9f"
-    # What turns the direction of writing, joins nothing, or ends a line for some readers only. The
-    # joiners U+200C and U+200D stay: Persian and emoji are written with them.
+    # Characters that change the direction of writing, that join nothing, or that only some readers
+    # treat as line ends. The joiners U+200C and U+200D stay because Persian and emoji need them.
     "\u00ad\u061c\u180e\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb"
-    # Halves of characters, which file names that are not UTF-8 have; tags.
+    # Lone surrogates, which occur in file names that are not UTF-8, and tag characters.
     "\ud800-\udfff\U000e0000-\U000e007f]"
 )
 
 
 def printable(text: str) -> str:
-    r"""Return a text in which every character that is obeyed or unseen is written as its number.
+    r"""Return a text with every control or invisible character written as its number.
 
-    Names come from files of others. On a terminal an escape sequence in one could clear the
-    screen or write another text, and a mark of direction turns what stands around it.
+    Names come from foreign files. An escape sequence in a name could clear a terminal or overwrite
+    its text, and a direction mark could reorder the text around it.
 
     Parameters
     ----------
     text : str
-        Any text. Its lines and tabs stay.
+        Any text. Its line breaks and tabs are kept.
 
     Returns
     -------
     str
-        The text, with ``\x1b``, ``\u202e`` or ``\U000e0041`` in the place of such characters.
+        The text, with escapes such as ``\x1b``, ``\u202e`` or ``\U000e0041`` for those characters.
     """
     return _UNSEEN.sub(lambda found: _number_of(found[0]), text)
 
@@ -52,16 +52,16 @@ def _number_of(character: str) -> str:
 
 
 class RaisedOnPurpose(BaseException):
-    """Base of the errors and warnings of this package, and of those that build on it.
+    """Base of the errors and warnings of this package and of packages that build on it.
 
-    They can be pickled, so they cross process boundaries whole. Their messages hold names of
-    others, and so nothing that a terminal obeys, see :func:`printable`.
+    They can be pickled, so they cross process boundaries intact. Their messages can quote foreign
+    names, so they are made safe for a terminal with :func:`printable`.
     """
 
     _arguments: tuple[Any, ...]
 
     def __new__(cls, *arguments: Any) -> Self:
-        """Remember the arguments, from which a pickled error is made again."""
+        """Keep the arguments, from which a pickled error is rebuilt."""
         error = super().__new__(cls, *arguments)
         error._arguments = arguments
         return error
@@ -74,10 +74,10 @@ class RaisedOnPurpose(BaseException):
 
 
 def in_words(value: object) -> str:
-    """Return how something given shows itself, or its kind where it cannot, in at most a line."""
+    """Return the representation of a value on one line, or its type if it has none."""
     try:
         return " ".join(repr(value)[:120].split())
-    except Exception:  # whole numbers of thousands of digits, and what others wrote
+    except Exception:  # e.g. integers of thousands of digits, or a failing __repr__
         return f"a {type(value).__name__} that cannot be shown"
 
 
@@ -86,7 +86,7 @@ class Fuzzy2Error(RaisedOnPurpose, Exception):
 
 
 class UnknownName(Fuzzy2Error, ValueError):
-    """A name that is looked up is not among the known ones."""
+    """A name is not among the known ones."""
 
     def __init__(self, kind: str, name: object, known: Sequence[str]) -> None:
         self.name, self.known = name, tuple(known)
@@ -94,7 +94,7 @@ class UnknownName(Fuzzy2Error, ValueError):
 
 
 class InvalidValue(Fuzzy2Error, ValueError):
-    """An argument is outside the values it can take."""
+    """An argument has an invalid value."""
 
     def __init__(self, name: str, value: object, requirement: str) -> None:
         self.name, self.value = name, value
@@ -108,7 +108,7 @@ class InvalidValue(Fuzzy2Error, ValueError):
 
 
 class NotApplicable(Fuzzy2Error, ValueError):
-    """A theorem or a shortcut was asked for where its conditions do not hold."""
+    """A theorem or a shortcut was requested where its conditions do not hold."""
 
     def __init__(self, what: str, reason: str) -> None:
         self.what, self.reason = what, reason
@@ -116,18 +116,18 @@ class NotApplicable(Fuzzy2Error, ValueError):
 
 
 class ReadOnly(Fuzzy2Error, AttributeError):
-    """Something that is made once and for all was to be changed."""
+    """An attribute of an immutable object was about to be set."""
 
     def __init__(self, what: str, name: str) -> None:
         self.what, self.name = what, name
         super().__init__(
-            f"{what} does not change once it is made, and so has no {name} to set: make another "
+            f"{what} cannot be changed once it is made, so its {name} cannot be set: make another "
             f"with replace({name}=...)"
         )
 
 
 class InvalidRule(Fuzzy2Error, ValueError):
-    """A rule cannot be read, or does not fit the variables."""
+    """A rule cannot be parsed, or does not match the variables."""
 
     def __init__(self, number: int, text: str, reason: str) -> None:
         self.number, self.text, self.reason = number, text, reason
@@ -135,9 +135,9 @@ class InvalidRule(Fuzzy2Error, ValueError):
 
 
 class MalformedFile(Fuzzy2Error, ValueError):
-    """A file is not what its format prescribes.
+    """A file violates its format.
 
-    ``place`` is the line, or the path within the document.
+    ``place`` is the line number, or the path within the document.
     """
 
     def __init__(self, source: str, place: str, reason: str) -> None:
@@ -148,7 +148,7 @@ class MalformedFile(Fuzzy2Error, ValueError):
 class FileNotWritten(Fuzzy2Error, OSError):
     """A file cannot be written.
 
-    An ``OSError``, with its ``errno``, ``strerror`` and ``filename``.
+    It is also an ``OSError``, with ``errno``, ``strerror`` and ``filename``.
     """
 
     def __init__(self, number: int, reason: str, path: str) -> None:
@@ -167,16 +167,16 @@ _REMEDIES = {
     errno.EFBIG: "raise the largest size of a file (ulimit -f), or give another place",
     errno.EACCES: _ALLOWED,
     errno.EPERM: _ALLOWED,
-    errno.EROFS: "its file system is read-only, give another place",
+    errno.EROFS: "its file system is read-only; give another place",
     errno.ENOENT: "make the folder first",
-    errno.ENOTDIR: "a part of the path is a file and no folder, give another one",
-    errno.EISDIR: "it is a folder, give the name of a file in it",
+    errno.ENOTDIR: "a part of the path is a file, not a folder; give another one",
+    errno.EISDIR: "it is a folder; give the name of a file in it",
     errno.ENAMETOOLONG: "give a shorter name",
 }
 
 
 class NotExpressible(Fuzzy2Error, ValueError):
-    """A file format cannot hold something, or this package has no equivalent of what it says."""
+    """A file format cannot represent something, or this package cannot represent a file."""
 
     def __init__(self, what: str, where: str, reason: str) -> None:
         self.what, self.where, self.reason = what, where, reason
@@ -184,7 +184,7 @@ class NotExpressible(Fuzzy2Error, ValueError):
 
 
 class NotExportable(Fuzzy2Error, ValueError):
-    """Something has no form in C."""
+    """Something cannot be translated to C."""
 
     def __init__(self, what: str, why: str, remedy: str) -> None:
         self.what, self.why, self.remedy = what, why, remedy
@@ -192,18 +192,18 @@ class NotExportable(Fuzzy2Error, ValueError):
 
 
 class FileInTheWay(Fuzzy2Error, ValueError):
-    """A file that nobody but its user may change is where another is to be written."""
+    """A file of the user's is in the place where an export would write."""
 
     def __init__(self, path: str) -> None:
         self.path = path
         super().__init__(
-            f"{path} is there, and is not as an export left it; nothing was written: move or "
+            f"{path} exists and was not left there by an export; nothing was written: move or "
             "delete it, or name another folder"
         )
 
 
 class TooManyEmbeddedSets(Fuzzy2Error, ValueError):
-    """An enumeration of embedded sets would not end in reasonable time."""
+    """Enumerating the embedded sets would take unreasonably long."""
 
     def __init__(self, count: int, limit: int) -> None:
         self.count, self.limit = count, limit
@@ -214,7 +214,7 @@ class TooManyEmbeddedSets(Fuzzy2Error, ValueError):
 
 
 class ApproximationWarning(RaisedOnPurpose, UserWarning):
-    """An approximation is used where it need not be close.
+    """An approximation is used outside the range where it is close.
 
     See :mod:`fuzzy2.reduction.approximate`.
     """
@@ -229,18 +229,18 @@ class ApproximationWarning(RaisedOnPurpose, UserWarning):
 
 
 class DefaultReductionWarning(RaisedOnPurpose, UserWarning):
-    """Rules in words that speak of sets are reduced by the default, which is not the centroid."""
+    """Rules in words conclude sets and are reduced with the default, which is not the centroid."""
 
     def __init__(self) -> None:
         super().__init__(
-            "the rules speak of sets, and the output is the average of the sets' centroids "
-            "(type_reduction='center_of_sets', the default); Mamdani's is the centroid of the sets "
-            "united (type_reduction='centroid'): name the one that is meant"
+            "the rules conclude sets, and the output is the average of the sets' centroids "
+            "(type_reduction='center_of_sets', the default); Mamdani's is the centroid of the "
+            "sets' union (type_reduction='centroid'): name the one you mean"
         )
 
 
 class NotNumbers(Fuzzy2Error, TypeError):
-    """Samples are of a type that cannot be read as a table of numbers."""
+    """Samples have a type that cannot be read as a table of numbers."""
 
     def __init__(self, name: str, reason: str) -> None:
         self.name, self.reason = name, reason
@@ -248,7 +248,7 @@ class NotNumbers(Fuzzy2Error, TypeError):
 
 
 class UnsupportedRule(Fuzzy2Error, ValueError):
-    """No sample says what a rule of the grid concludes."""
+    """No sample determines the consequent of a rule of the grid."""
 
     def __init__(
         self,
@@ -268,25 +268,25 @@ class UnsupportedRule(Fuzzy2Error, ValueError):
         )
         self.remedy = remedy
         super().__init__(
-            f"rule {number} (IF {text}) is fired by no sample more than {firing:.3g}, and at "
+            f"no sample fires rule {number} (IF {text}) more strongly than {firing:.3g}, and at "
             f"least {least:g} is needed ({count} such rules); {remedy}"
         )
 
 
 class CompletedRules(RaisedOnPurpose, UserWarning):
-    """Some rules of a grid have no sample of their own, and took what their neighbors say."""
+    """Some rules of a grid have no samples and took their consequents from their neighbors."""
 
     def __init__(self, count: int, total: int, completion: str) -> None:
         self.count, self.total, self.completion = count, total, completion
         done = "left out" if completion == "none" else "completed from other rules"
         super().__init__(
-            f"{count} of {total} rules are fired by no sample to speak of, and were {done} "
+            f"{count} of {total} rules are not fired noticeably by any sample and were {done} "
             f"(completion={completion!r}); completion='refuse' makes that an error"
         )
 
 
 class NotFitted(Fuzzy2Error, ValueError, AttributeError):
-    """An estimator is asked before it has learned."""
+    """An estimator is used before it is fitted."""
 
     def __init__(self, estimator: str) -> None:
         self.estimator = estimator
@@ -294,7 +294,7 @@ class NotFitted(Fuzzy2Error, ValueError, AttributeError):
 
 
 class WrongFeatures(Fuzzy2Error, ValueError):
-    """Inputs have other columns than those an estimator learned from."""
+    """The inputs have different columns from those that the estimator was fitted with."""
 
     def __init__(
         self,
@@ -327,7 +327,7 @@ class WrongFeatures(Fuzzy2Error, ValueError):
 
 
 class FeatureNamesWarning(RaisedOnPurpose, UserWarning):
-    """Columns have names where the estimator learned without, or the other way round."""
+    """The inputs have column names but the estimator was fitted without, or the reverse."""
 
     def __init__(self, estimator: str, was_fitted_with_names: bool) -> None:
         self.estimator, self.was_fitted_with_names = estimator, was_fitted_with_names
@@ -343,12 +343,12 @@ class FeatureNamesWarning(RaisedOnPurpose, UserWarning):
 
 
 class CodeNotKept(RaisedOnPurpose, UserWarning):
-    """Compiled code that should be on the disk is not there, or not as it was written."""
+    """Compiled code is missing from the disk, or is damaged."""
 
     def __init__(self, folder: str, why: str) -> None:
         self.folder, self.why = folder, why
         super().__init__(
-            f"code is compiled anew, which takes a while: {why}: {folder}; if that is said again "
-            "and again, delete that folder, make room on its disk, or name another one in "
+            f"code is compiled again, which takes a while: {why}: {folder}; if this warning comes "
+            "back, delete that folder, make room on its disk, or name another one in "
             "NUMBA_CACHE_DIR"
         )

@@ -263,7 +263,7 @@ def translated() -> Translated:
             try:
                 return super().memory(node, zeros, known)
             except NotExportable as error:
-                if "whose size is not known" not in str(error):
+                if "the size of memory must be known" not in str(error):
                     raise
             with_memory.add(full_name(self.body))
             self.count += 1

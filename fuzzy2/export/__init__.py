@@ -1,1 +1,1 @@
-"""C99 code: of fuzzy systems, and of any kernels that keep to ``docs/concepts/kernels.md``."""
+"""Export of C99 code: fuzzy systems, and any kernels that follow ``docs/concepts/kernels.md``."""

@@ -1,8 +1,8 @@
-"""One self-contained .c and .h file made of translated kernels.
+"""One self-contained .c and .h file made from translated kernels.
 
-The functions that users call take plain arrays and numbers; what they remember between two calls is
-a struct of the caller's. The same description of the functions serves whoever writes programs,
-tests or models around the code.
+The exported functions take plain arrays and numbers; their state between two calls is a struct that
+the caller owns. Programs, tests and models around the code are made from the same description of
+the functions.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ from fuzzy2.support.version import __version__
 
 @dataclass(frozen=True)
 class Known:
-    """An argument of a kernel that is written down in the code: a number, a table, a NamedTuple.
+    """Argument of a kernel with a known value that is written into the code.
 
     Parameters
     ----------
     name : str
-        What its tables are called.
+        Name of its tables.
     thing : object
-        It.
+        The value.
     """
 
     name: str
@@ -42,7 +42,7 @@ class Known:
 
 @dataclass(frozen=True)
 class Argument:
-    """An argument of a function in C.
+    """Argument of an exported function.
 
     Parameters
     ----------
@@ -51,11 +51,11 @@ class Argument:
     about : str
         What it is, with its unit.
     size : int, optional
-        Numbers of an array; None for one number.
+        Number of entries of an array; None for a single number.
     role : {"in", "out", "state"}
-        Whether it is read or written, or part of the struct that is remembered between two calls.
+        Whether it is read, written, or part of the struct that holds the state between two calls.
     is_whole : bool
-        Whether its numbers are whole ones.
+        Whether its numbers are whole numbers.
     """
 
     name: str
@@ -67,18 +67,18 @@ class Argument:
 
 @dataclass(frozen=True)
 class Mixed:
-    """An argument of a kernel that is a NamedTuple, of which some arrays are part of the struct.
+    """Argument of a kernel that is a NamedTuple with some arrays in the state struct.
 
-    Everything else in it is known.
+    Its other values are known.
 
     Parameters
     ----------
     name : str
-        What its tables are called.
+        Name of its tables.
     thing : NamedTuple
-        It.
+        The value.
     states : mapping of str to Argument
-        Arrays that are part of the struct, by where they are in it: ``"memory"``,
+        Arrays that are part of the state struct, by their places in the NamedTuple: ``"memory"``,
         ``"model.memory"``.
     """
 
@@ -87,7 +87,7 @@ class Mixed:
     states: Mapping[str, Argument]
 
     def filled(self, given: Iterator[Any]) -> Any:
-        """Return the NamedTuple with other arrays in the places of those that are states."""
+        """Return the NamedTuple with its state arrays replaced."""
         thing, arrays = self.thing, {name: next(given) for name in self.arguments}
         for path, argument in self.states.items():
             thing = _replaced(thing, path.split("."), arrays[argument.name])
@@ -95,7 +95,7 @@ class Mixed:
 
     @property
     def arguments(self) -> dict[str, Argument]:
-        """The states by name; one can be in several places."""
+        """The states by name; a state may occur in several places."""
         return {argument.name: argument for argument in self.states.values()}
 
 
@@ -112,20 +112,20 @@ class CFunction:
     Parameters
     ----------
     name : str
-        Its name, with the prefix.
+        Name of the function, with the prefix.
     does : str
-        What it does, a sentence.
+        Description of the function in one sentence.
     arguments : tuple of Argument
-        In the order of the kernel that it calls.
+        Arguments in the order of the kernel.
     result : str
-        What it returns; empty where it returns nothing.
+        Description of the return value; empty if there is none.
     returns : {"int", "real", "void"}
-        The type of that.
+        Type of the return value.
     kernel : callable
-        The kernel; with ``known`` the same function in Python.
+        The kernel; with ``known`` it is the same function in Python.
     known : tuple
-        Arguments of the kernel in order: the things that are known, and None for each of
-        ``arguments``; or what takes several of these, :class:`Mixed`.
+        Arguments of the kernel in order: known values, None for each of ``arguments``, or
+        :class:`Mixed`, which takes several of these.
     """
 
     name: str
@@ -138,16 +138,16 @@ class CFunction:
 
     @property
     def visible(self) -> tuple[Argument, ...]:
-        """The arguments that are no part of the struct."""
+        """The arguments that are not part of the state struct."""
         return tuple(argument for argument in self.arguments if argument.role != "state")
 
     @property
     def has_state(self) -> bool:
-        """Whether it takes the struct."""
+        """Whether the function takes the state struct."""
         return any(argument.role == "state" for argument in self.arguments)
 
     def in_python(self, *arguments: Any) -> Any:
-        """Call the kernel with its arguments, those of the struct included, as arrays."""
+        """Call the kernel with its arguments as arrays, including those of the state struct."""
         given = iter(arguments)
         return self.kernel(
             *(
@@ -159,20 +159,20 @@ class CFunction:
 
 @dataclass(frozen=True)
 class CCode:
-    """A .c and a .h file, and what is in them.
+    """A .c and a .h file, with a description of their functions.
 
     Parameters
     ----------
     name : str
-        The prefix of all names, and the name of the files.
+        Prefix of all names, and name of the files.
     precision : Precision
-        Of all numbers.
+        Precision of all numbers.
     header, source : str
-        The files.
+        Text of the files.
     functions : tuple of CFunction
-        What users call.
+        Functions that users call.
     hash : str
-        Of the source: the first sixteen digits of its SHA-256.
+        The first sixteen digits of the source's SHA-256.
     """
 
     name: str
@@ -183,7 +183,7 @@ class CCode:
     hash: str
 
     def write(self, folder: str | Path) -> tuple[Path, Path]:
-        """Write ``name.h`` and ``name.c`` into a folder, and return their paths."""
+        """Write ``name.h`` and ``name.c`` to a folder, and return their paths."""
         where = made_folder(folder)
         paths = where / f"{self.name}.h", where / f"{self.name}.c"
         for path, text in zip(paths, (self.header, self.source), strict=True):
@@ -192,25 +192,25 @@ class CCode:
 
 
 class CWriter:
-    """Collects functions, and writes them as C.
+    """Collects functions and writes them as C.
 
     Parameters
     ----------
     name : str
-        The prefix of all names: an identifier of C.
+        Prefix of all names: an identifier in C.
     precision : {"double", "single"}
-        Of all numbers.
+        Precision of all numbers.
     about : sequence of str
-        Paragraphs for the header: what the code is, units, the order of joints, where it is from.
+        Paragraphs for the header: purpose, units, order of joints, and origin of the code.
     unrolled, never : tuple of str
         See :class:`fuzzy2.export.definitions.Definitions`.
     constants : mapping of str to number, optional
-        Numbers of the kernels' modules, by name, that are others in this code.
+        Constants of the kernels' modules, by name, that have other values in this code.
 
     Raises
     ------
     InvalidValue
-        If the name is no identifier.
+        If the name is not an identifier.
     UnknownName
         If there is no such precision.
     """
@@ -249,17 +249,17 @@ class CWriter:
         Parameters
         ----------
         name : str
-            Its name, without the prefix.
+            Name of the function, without the prefix.
         does : str
-            What it does, a sentence.
+            Description of the function in one sentence.
         kernel : callable
             The kernel that it calls.
         arguments : sequence of Known, Argument or Mixed
-            Of the kernel, in order.
+            Arguments of the kernel, in order.
         result : str
-            What it returns; empty for nothing.
+            Description of the return value; empty if there is none.
         """
-        # No kernel may have the name of what users call.
+        # A kernel must not have the name of an exported function.
         own = f"{self.name}_{name}"
         other = self.program.reserved(own)
         self.bodies = [re.sub(rf"\b{own}\b", other, body) for body in self.bodies]
@@ -328,7 +328,7 @@ class CWriter:
         return f"{kind} {function.name}({', '.join(parts) or 'void'})"
 
     def code(self) -> CCode:
-        """Return the files."""
+        """Return the text of the files."""
         heads = [body.split("\n")[0] for body in self.bodies]
         calls = "\n".join(self.bodies)
         parts = [
@@ -381,6 +381,6 @@ class CWriter:
 
 
 def _wrapped(text: str) -> list[str]:
-    """Return the lines of a comment."""
+    """Return the lines of a comment, wrapped."""
     lines = [textwrap.wrap(line, 92, subsequent_indent="  ") for line in comment(text).split("\n")]
     return [line for one in lines for line in one or [""]]

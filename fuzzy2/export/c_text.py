@@ -1,4 +1,4 @@
-"""The text of C: parentheses, words, and unused lines, which are left out."""
+"""Text of C: parentheses, names, and removal of unused lines."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ RESERVED = frozenset(
         *("typedef", "union", "unsigned", "void", "volatile", "while", "NAN", "INFINITY"),
     }
 )
-"""Words of C that no variable may have for a name."""
+"""Words of C that cannot be names of variables."""
 
 
 def words_of(text: str) -> set[str]:
-    """Return the words of a text, but for names of members."""
+    """Return the names in a text, except names of members."""
     return set(re.findall(rf"(?<![\w.>]){WORD}", text))
 
 
 def ends(line: str) -> bool:
-    """Tell whether nothing that follows the line is reached."""
+    """Return whether control never passes this line."""
     return bool(re.match(r"\s*(return\b|continue;|break;)", line))
 
 
 def bare(code: str) -> str:
-    """Return an expression without parentheses about all of it."""
+    """Return an expression without the parentheses around it."""
     if not (code.startswith("(") and code.endswith(")")):
         return code
     depth = 0
@@ -41,7 +41,7 @@ def bare(code: str) -> str:
 
 
 def members(code: str) -> list[str] | None:
-    """Return what stands in a struct that is written down, ``(type){a, b}``; None of others."""
+    """Return the members of a struct literal ``(type){a, b}``; None for any other text."""
     head = re.match(r"\(\w+\)\{", code)
     if head is None or not code.endswith("}"):
         return None
@@ -58,7 +58,7 @@ def members(code: str) -> list[str] | None:
 
 
 def without_idle(lines: list[str], variables: set[str]) -> list[str]:
-    """Return lines without assignments to variables that nobody reads."""
+    """Return lines without assignments to variables that are never read."""
     while True:
         heard = "\n".join(re.sub(r"^\s*\w+ = ", "", line) for line in lines)
         known = words_of(heard)
@@ -79,7 +79,7 @@ def without_idle(lines: list[str], variables: set[str]) -> list[str]:
 
 
 def otherwise(lines: list[str], space: str) -> list[str]:
-    """Return the part ``else`` of a branch, as ``else if`` if it is nothing but another branch."""
+    """Return the ``else`` of a branch, as ``else if`` if it only contains another branch."""
     inner = f"{space}    "
     own = [
         line[len(inner) :] for line in lines if line.startswith(inner) and line[len(inner)] > " "
@@ -87,15 +87,15 @@ def otherwise(lines: list[str], space: str) -> list[str]:
     one = own[0].startswith("if (") and own[-1] == "}" and all(x[0] == "}" for x in own[1:])
     if not one:
         return [f"{space}}} else {{", *lines]
-    # The last line closes the inner branch; the caller closes the whole.
+    # The last line closes the inner branch, and the caller closes the outer one.
     flat = [line[4:] for line in lines[:-1]]
     return [f"{space}}} else {flat[0].strip()}", *flat[1:]]
 
 
 def comment(text: str) -> str:
-    """Return a text that a comment can hold: nothing in a name ends it.
+    """Return a text that is safe in a comment: no name in it can end the comment.
 
-    Not even across lines, which a backslash joins, nor as a trigraph, which stands for one.
+    That includes ends across lines that a backslash joins, and a backslash written as a trigraph.
     """
     shown = printable(text).replace("``", "").replace("??/", "? ?/")
     return re.sub(r"\\(?=\s*(\n|$))", "|", shown).replace("*/", "* /").replace("/*", "/ *")

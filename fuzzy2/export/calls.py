@@ -1,4 +1,4 @@
-"""Calls in kernels: of other kernels, of functions of ``math``, and of what Python has built in."""
+"""Calls in kernels: of other kernels, functions of ``math`` and built-in functions of Python."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ FUNCTIONS = frozenset(
         *("floor", "ceil", "copysign", "fabs", "pow"),
     }
 )
-"""Functions of ``math`` that ``math.h`` has under the same name."""
+"""Functions of ``math`` that have the same name in ``math.h``."""
 TESTS = frozenset(("isfinite", "isnan", "isinf"))
 OF_TWO = frozenset(("atan2", "hypot", "copysign", "pow"))
-"""Functions of two numbers; all others are of one."""
+"""Functions of two numbers; all others take one number."""
 TO_WHOLE = frozenset(("floor", "ceil"))
-"""Functions that are whole numbers in Python, where zero has no sign."""
+"""Functions that return whole numbers in Python, where zero has no sign."""
 
 
 class Calls(Arrays, ABC):
@@ -32,11 +32,11 @@ class Calls(Arrays, ABC):
     def called(self, node: ast.Call, known: Known) -> Value:
         """Translate a call."""
         if node.keywords or any(isinstance(argument, ast.Starred) for argument in node.args):
-            raise self.refused(node, "arguments by name, or of unknown number")
+            raise self.refused(node, "arguments must be positional, and their number known")
         if isinstance(node.func, ast.Attribute):
             return self._method(node, node.func, known)
         if not isinstance(node.func, ast.Name):
-            raise self.refused(node, "no call of a kernel")
+            raise self.refused(node, "a kernel cannot make this call")
         name = node.func.id
         arguments = [self.expression(argument, known) for argument in node.args]
         function = self.source.names.get(name)
@@ -48,11 +48,11 @@ class Calls(Arrays, ABC):
             pairs = zip(function._fields, arguments, strict=True)
             return self.record(function.__name__, list(pairs))
         if not callable(function) or isinstance(function, type):
-            raise self.refused(node, f"{name} is no kernel")
+            raise self.refused(node, f"{name} is not a kernel")
         code = getattr(getattr(function, "py_func", function), "__code__", None)
-        # One that is chosen by a table says so itself.
+        # A function that is chosen by table checks its arguments itself.
         if code and not hasattr(function, "bodies") and code.co_argcount != len(arguments):
-            raise self.refused(node, f"another number of arguments than {code.co_argcount}")
+            raise self.refused(node, f"the number of arguments must be {code.co_argcount}")
         handed = [part if part.is_known else self.handed(part) for part in arguments]
         return self.program.call(function, handed)
 
@@ -60,12 +60,12 @@ class Calls(Arrays, ABC):
         if name in ("min", "max") and len(values) > 1:
             return self._extreme(node, name, values)
         if len(values) != 1:
-            raise self.refused(node, f"{name} is no kernel")
+            raise self.refused(node, f"{name} is not a kernel")
         value, number = values[0], self.program.precision.number
         if name == "len" and isinstance(value.type, Row):
             return self.size(value, 0)
         if not isinstance(value.type, Scalar):
-            raise self.refused(node, "whole arrays, where numbers are asked for")
+            raise self.refused(node, "an array is used where a number is expected")
         if name == "abs":
             if value.type == REAL:
                 return self._of_math("fabs", [value])
@@ -78,24 +78,24 @@ class Calls(Arrays, ABC):
             return self.cast(value, REAL)
         if name == "bool":
             return self.truth(value)
-        raise self.refused(node, f"{name} is no kernel")
+        raise self.refused(node, f"{name} is not a kernel")
 
     def _whole(self, node: ast.Call, name: str, value: Value) -> Value:
-        """Translate ``int``, which leaves out what is behind the point, and ``round``."""
+        """Translate ``int``, which truncates, and ``round``."""
         if value.known is not None:
             if not math.isfinite(value.known):
-                raise self.refused(node, "a whole number that is not finite")
+                raise self.refused(node, "a whole number must be finite")
             return self.program.precision.number(
                 int(value.known) if name == "int" else round(value.known), INT
             )
         if value.type != REAL:
             return Value(INT, value.code)
-        # The nearest, and of two the even one, as long as nobody sets another way to round.
+        # Rounds to nearest, and to even in a tie, unless the program changes the rounding mode.
         code = value.code if name == "int" else self._of_math("rint", [value]).code
         return Value(INT, f"((int){code})")
 
     def truth(self, value: Value) -> Value:
-        """Return whether a number is not 0."""
+        """Return whether a number differs from 0."""
         if value.type == BOOL:
             return value
         if value.known is not None:
@@ -104,7 +104,7 @@ class Calls(Arrays, ABC):
         return Value(BOOL, f"({value.code} != {zero.code})")
 
     def _extreme(self, node: ast.Call, name: str, values: list[Value]) -> Value:
-        """Translate ``min`` and ``max``, two numbers at a time, as Python does it."""
+        """Translate ``min`` and ``max``, two numbers at a time, with Python's treatment of NaN."""
         best = values[0]
         for value in values[1:]:
             kind = self.common(node, best, value)
@@ -126,19 +126,19 @@ class Calls(Arrays, ABC):
             if getattr(module, "__name__", "") == "numpy":
                 if function.attr in ("empty", "zeros"):
                     return self.memory(node, function.attr == "zeros", known)
-                raise self.refused(node, "no function of NumPy in a kernel")
+                raise self.refused(node, "a kernel cannot call this function of NumPy")
         whole = self.expression(function.value, known)
         if function.attr == "reshape" and isinstance(whole.type, Row):
             return self.reshaped(node, whole, known)
-        raise self.refused(node, "nothing that an array does in a kernel")
+        raise self.refused(node, "a kernel cannot call this method of an array")
 
     def _mathematics(self, node: ast.Call, name: str, known: Known) -> Value:
         """Translate a function of ``math``."""
         values = [self.expression(argument, known) for argument in node.args]
         if name not in FUNCTIONS | TESTS:
-            raise self.refused(node, "no function of math.h")
+            raise self.refused(node, "math.h does not have this function")
         if len(values) != (2 if name in OF_TWO else 1):
-            raise self.refused(node, "another number of arguments than the function has")
+            raise self.refused(node, "the function has a different number of arguments")
         if name in TESTS:
             code = bare(self.cast(values[0], REAL).code)
             return Value(BOOL, f"({name}({code}) != 0)")

@@ -1,4 +1,4 @@
-"""What a file of C defines: types, tables, functions, and the names that are taken."""
+"""Definitions of a C file: types, tables, functions, and reserved names."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from fuzzy2.export.values import INT, Record, Row, Scalar, Table, Type, Value
 
 @dataclass
 class Instance:
-    """A kernel translated for what is known of its arguments."""
+    """A kernel translated for known values of some arguments."""
 
     name: str
     result: Type
@@ -30,21 +30,21 @@ class Instance:
 
 @dataclass
 class Definitions(ABC):
-    """All C functions, types and tables that what is exported needs.
+    """All C functions, types and tables that the exported functions need.
 
     Parameters
     ----------
     prefix : str
-        What names begin with.
+        Prefix of all names.
     precision : Precision
-        How numbers are written.
+        Precision of the numbers.
     unrolled : frozenset of str
-        Names of kernels whose counted loops are written out where their count is known: each pass
-        is then translated for what is known in it.
+        Names of kernels whose counted loops are unrolled if their count is known. Each pass is then
+        translated with its known values.
     never : frozenset of str
-        Names of kernels that whoever exports knows to return false wherever they are called.
+        Names of kernels that return false wherever they are called in the exported code.
     replaced : dict of str to number
-        Numbers of the kernels' modules, by name, that are others in this code.
+        Constants of the kernels' modules, by name, that have other values in this code.
     """
 
     prefix: str
@@ -61,7 +61,7 @@ class Definitions(ABC):
     helpers: dict[str, str] = field(default_factory=dict)
 
     def extreme(self, name: str, which: str) -> str:
-        """Return the name of ``min`` or ``max``, which Python says of NaN and zeros, too."""
+        """Return the name of the function for ``min`` or ``max``, with Python's result for NaN."""
         item = self.precision.type if which == "real" else "int"
         sign = "<" if name == "min" else ">"
         return self._helper(
@@ -69,7 +69,7 @@ class Definitions(ABC):
         )
 
     def division(self, name: str) -> str:
-        """Return the name of ``quotient`` or ``remainder`` of whole numbers, rounded down."""
+        """Return the name of the function for ``quotient`` or ``remainder`` of whole numbers."""
         if name == "quotient":
             body = "return b == 0 ? 0 : a / b - (a % b != 0 && (a < 0) != (b < 0));"
         else:
@@ -77,11 +77,11 @@ class Definitions(ABC):
         return self._helper(name, "int {}(int a, int b)", body)
 
     def absolute(self) -> str:
-        """Return the name of the absolute value of whole numbers."""
+        """Return the name of the function for the absolute value of whole numbers."""
         return self._helper("absolute", "int {}(int a)", "return a < 0 ? -a : a;")
 
     def real_remainder(self) -> str:
-        """Return the name of ``%`` of real numbers, which has the sign of the divisor."""
+        """Return the name of the function for ``%`` of reals, which has the sign of the divisor."""
         item, zero = self.precision.type, self.precision.literal(0.0)
         body = f"{item} rest = {self.precision.function('fmod')}(a, b);\n"
         body += f"    if (rest == {zero}) {{\n"
@@ -90,13 +90,13 @@ class Definitions(ABC):
         return self._helper("real_remainder", f"{item} {{}}({item} a, {item} b)", body)
 
     def cleared(self) -> str:
-        """Return the name of the function that fills memory with zeros, and returns it."""
+        """Return the name of the function that fills memory with zeros and returns it."""
         item = self.precision.type
         body = "int i;\n    for (i = 0; i < n; i++) {\n        p[i] = 0;\n    }\n    return p;"
         return self._helper("cleared", f"{item} *{{}}({item} *p, int n)", body)
 
     def _helper(self, name: str, head: str, body: str) -> str:
-        """Return the name of a function that stands for something that Python has built in."""
+        """Return the name of a helper function that replaces a built-in function of Python."""
         own = f"{self.prefix}_{name}"
         self.names.add(own)
         self.helpers[own] = f"static {head.format(own)}\n{{\n    {body}\n}}"
@@ -122,16 +122,16 @@ class Definitions(ABC):
         return self.records[key][0]
 
     def table(self, table: Table) -> str:
-        """Return the name in C of a table, which is written down."""
+        """Return the name in C of a table, which is added to the definitions."""
         known = self.tables.setdefault(table.name, table)
         if known.numbers is not table.numbers and not np.array_equal(
             known.numbers, table.numbers, equal_nan=known.numbers.dtype.kind == "f"
         ):
-            raise NotExportable(table.name, "two tables of one name", "report it: a fault of ours")
+            raise NotExportable(table.name, "two tables have the same name", "a report of this bug")
         return f"{self.prefix}_{table.name}"
 
     def handed(self, value: Value) -> Value:
-        """Return a value as it is handed over: what is known gets a place and sizes."""
+        """Return a value as an argument; a known table gets its address and sizes."""
         code = value.code
         if isinstance(value.type, Row) and isinstance(value.known, Table):
             sizes = ", ".join(str(size) for size in value.type.shape)
@@ -142,18 +142,18 @@ class Definitions(ABC):
         return Value(value.type, code, value.known)
 
     def literal(self, value: Value) -> str:
-        """Return a record written out."""
+        """Return a record as a struct literal."""
         codes = ", ".join(self.handed(part).code for part in value.known.values())
         return f"({self.c_type(value.type)}){{{codes}}}"
 
     @abstractmethod
     def call(self, function: Callable[..., Any], arguments: list[Value]) -> Value:
-        """Return what a call of a kernel stands for; it is translated if it is not yet."""
+        """Return the value of a call of a kernel, which is translated first if necessary."""
 
     def reserved(self, name: str) -> str:
-        """Keep a name for a function that users call; return that of the kernel which had it.
+        """Reserve a name for an exported function; return the new name of a kernel that had it.
 
-        That is its new one, or the name itself if no kernel had it.
+        If no kernel had the name, the name itself is returned.
         """
         if name not in self.names:
             self.names.add(name)
@@ -175,7 +175,8 @@ class Definitions(ABC):
     def definitions(self, calls: str) -> str:
         """Return the definitions of all types, tables and functions that calls need.
 
-        Each stands before it is used; what was only looked at while code was written is left out.
+        Each is defined before it is used. Objects that were only read while the code was written
+        are left out.
         """
         texts = {instance.name: instance.text for instance in self.order} | self.helpers
         wanted: set[str] = set()
@@ -185,7 +186,7 @@ class Definitions(ABC):
             waiting += [texts[word] for word in found & texts.keys() - wanted]
             wanted |= found
         types, needed = [], set(wanted)
-        # Structs may hold those before them.
+        # Structs may contain those before them.
         for name, members in reversed(self.records.values()):
             if name in needed:
                 needed |= words_of(members)

@@ -56,13 +56,13 @@ class Expressions(Calls, ABC):
             case ast.Tuple(elts=elts):
                 parts = [self.expression(part, known) for part in elts]
                 return self.record("tuple", [(f"f{i}", part) for i, part in enumerate(parts)])
-        raise self.refused(node, "no expression of a kernel")
+        raise self.refused(node, "a kernel cannot contain this expression")
 
     def _variable(self, node: ast.AST, name: str, known: Known) -> Value:
         if name in known:
             return known[name]
         if name in self.variables:
-            # It has a value in one of the ways that lead here.
+            # The variable has a value in one of the branches that lead here.
             return self.unknown(node, name)
         thing = self.program.replaced.get(name, self.source.names.get(name))
         for kind, scalar in ((bool, BOOL), (int, INT), (float, REAL)):
@@ -70,27 +70,27 @@ class Expressions(Calls, ABC):
                 return self.program.precision.number(thing, scalar)
         if isinstance(thing, tuple) and hasattr(thing, "_fields"):
             return self.program.precision.value_of(name.lower(), thing)
-        raise self.refused(node, f"{name} is no number")
+        raise self.refused(node, f"{name} is not a number")
 
     def _attribute(self, node: ast.Attribute, known: Known) -> Value:
         if isinstance(node.value, ast.Name) and node.value.id not in known:
             module = self.source.names.get(node.value.id)
             if getattr(module, "__name__", "") in ("math", "numpy"):
                 if node.attr not in NUMBERS:
-                    raise self.refused(node, "no number of math")
+                    raise self.refused(node, "math does not have this number")
                 return self.program.precision.number(NUMBERS[node.attr], REAL)
         whole = self.expression(node.value, known)
         if isinstance(whole.type, Record):
             return self.field(whole, node.attr)
         if not isinstance(whole.type, Row):
-            raise self.refused(node, "a part of a number")
+            raise self.refused(node, "a number has no attributes")
         return self.shape(node, whole)
 
     # --------------------------------------------------------------------------------- numbers
     def _binary(self, node: ast.BinOp, known: Known) -> Value:
         left, right = self.expression(node.left, known), self.expression(node.right, known)
         if not (isinstance(left.type, Scalar) and isinstance(right.type, Scalar)):
-            raise self.refused(node, "an operation on whole arrays")
+            raise self.refused(node, "an operation on arrays must be a loop over their entries")
         if isinstance(node.op, ast.Pow):
             return self._power(node, left, right)
         if isinstance(node.op, ast.Div):
@@ -99,7 +99,7 @@ class Expressions(Calls, ABC):
         if isinstance(node.op, ast.FloorDiv | ast.Mod):
             return self._whole_division(node, left, right)
         if type(node.op) not in SUMS:
-            raise self.refused(node, "no operation of a kernel")
+            raise self.refused(node, "a kernel cannot contain this operation")
         sign = SUMS[type(node.op)]
         if REAL not in (left.type, right.type):
             return self.sum(sign, self.cast(left, INT), self.cast(right, INT))
@@ -111,12 +111,12 @@ class Expressions(Calls, ABC):
             codes = bare(self.cast(left, REAL).code), bare(self.cast(right, REAL).code)
             return Value(REAL, f"{self.program.real_remainder()}({', '.join(codes)})")
         if REAL in (left.type, right.type):
-            raise self.refused(node, "a whole division of numbers that are not whole")
+            raise self.refused(node, "// and % need whole numbers")
         remainder = isinstance(node.op, ast.Mod)
         if left.known is not None and right.known:
             number = left.known % right.known if remainder else left.known // right.known
             return self.program.precision.number(number, INT)
-        # C rounds towards zero, Python down.
+        # C rounds toward zero, Python down.
         function = self.program.division("remainder" if remainder else "quotient")
         return Value(INT, f"{function}({left.code}, {right.code})")
 
@@ -124,16 +124,14 @@ class Expressions(Calls, ABC):
         exponent = right.known
         if left.type != REAL and right.type != REAL:
             if left.known is None or exponent is None or exponent < 0:
-                raise self.refused(
-                    node, "a power of whole numbers that is not known; take float(...)"
-                )
+                raise self.refused(node, "a power of whole numbers must be known; take float(...)")
             return self.program.precision.number(left.known**exponent, INT)
         if right.type == REAL:
             return self._of_math("pow", [left, right])
         if exponent is None:
-            raise self.refused(node, "a whole exponent that is not known; take float(...)")
+            raise self.refused(node, "a whole exponent must be known; take float(...)")
         code, factor, count = "", self.cast(left, REAL).code, abs(exponent)
-        # By squares, in the order in which numba multiplies.
+        # Powers are computed by squaring, in the order in which numba multiplies.
         while count:
             if count & 1:
                 code = f"({code} * {factor})" if code else factor
@@ -147,7 +145,7 @@ class Expressions(Calls, ABC):
 
     def _unary(self, node: ast.AST, op: ast.unaryop, value: Value) -> Value:
         if not isinstance(value.type, Scalar):
-            raise self.refused(node, "an operation on whole arrays")
+            raise self.refused(node, "an operation on arrays must be a loop over their entries")
         if isinstance(op, ast.Not):
             if value.known is not None:
                 return self.program.precision.number(not value.known, BOOL)
@@ -155,7 +153,7 @@ class Expressions(Calls, ABC):
         if isinstance(op, ast.UAdd):
             return value
         if not isinstance(op, ast.USub):
-            raise self.refused(node, "no operation of a kernel")
+            raise self.refused(node, "a kernel cannot contain this operation")
         kind = REAL if value.type == REAL else INT
         if value.known is not None:
             return self.program.precision.number(-value.known, kind)
@@ -163,10 +161,10 @@ class Expressions(Calls, ABC):
 
     # ------------------------------------------------------------------------------- conditions
     def condition(self, node: ast.expr, known: Known) -> Value:
-        """Translate what is true or false."""
+        """Translate a condition."""
         value = self.expression(node, known)
         if not isinstance(value.type, Scalar):
-            raise self.refused(node, "nothing that is true or false")
+            raise self.refused(node, "a condition must be true or false")
         return self.truth(value)
 
     def _logical(self, node: ast.BoolOp, known: Known) -> Value:
@@ -175,11 +173,11 @@ class Expressions(Calls, ABC):
         for part in node.values:
             value = self.expression(part, known)
             if value.type != BOOL:
-                raise self.refused(node, "and, or of what is neither true nor false")
+                raise self.refused(node, "and and or need conditions, which are true or false")
             if value.known is None:
                 codes.append(value.code)
             elif value.known == stops:
-                # What comes before is asked for nothing, where it only compares.
+                # The lines before a comparison can be ignored, because it has no side effects.
                 if not any(re.search(r"\w\(", code) for code in codes):
                     return self.program.precision.number(stops, BOOL)
                 codes.append("1" if stops else "0")
@@ -197,12 +195,12 @@ class Expressions(Calls, ABC):
         left = self.expression(node.left, known)
         for i, (op, other) in enumerate(zip(node.ops, node.comparators, strict=True)):
             if type(op) not in COMPARISONS:
-                raise self.refused(node, "no comparison of a kernel")
+                raise self.refused(node, "a kernel cannot contain this comparison")
             sign, compare = COMPARISONS[type(op)]
             right = self.expression(other, known)
             if i + 1 < len(node.ops) and any(isinstance(n, ast.Call) for n in ast.walk(other)):
                 raise self.refused(
-                    node, "a chain that asks twice for what is called; give it a name"
+                    node, "a chain would evaluate a call twice; give its value a name"
                 )
             kind = self.common(node, left, right)
             if left.known is not None and right.known is not None:
@@ -210,7 +208,7 @@ class Expressions(Calls, ABC):
                     codes.append("0")
                     break
             elif sign == ">=" and right.known == math.inf and left.type == INT:
-                # No whole number is infinite.
+                # Whole numbers are always finite.
                 codes.append("0")
                 break
             else:
@@ -224,7 +222,7 @@ class Expressions(Calls, ABC):
         """Translate ``a in (b, c)``, which is ``a == b or a == c``."""
         others = node.comparators[0]
         if not isinstance(others, ast.Tuple) or len(node.ops) > 1:
-            raise self.refused(node, "no comparison of a kernel")
+            raise self.refused(node, "a kernel cannot contain this comparison")
         equal: list[ast.expr] = [ast.Compare(node.left, [ast.Eq()], [one]) for one in others.elts]
         one_of: ast.expr = ast.BoolOp(ast.Or(), equal)
         if isinstance(node.ops[0], ast.NotIn):
@@ -240,7 +238,7 @@ class Expressions(Calls, ABC):
             return self._chosen_row(node, test, one, other)
         if isinstance(node.body, ast.Tuple) and isinstance(node.orelse, ast.Tuple):
             if len(node.body.elts) != len(node.orelse.elts):
-                raise self.refused(node, "tuples of two lengths")
+                raise self.refused(node, "tuples have different lengths")
             pairs = zip(node.body.elts, node.orelse.elts, strict=True)
             chosen = [self.expression(ast.IfExp(node.test, *pair), known) for pair in pairs]
             return self.record("tuple", [(f"f{i}", part) for i, part in enumerate(chosen)])
@@ -252,7 +250,7 @@ class Expressions(Calls, ABC):
         assert isinstance(one.type, Row)
         assert isinstance(other.type, Row)
         if one.type.item != other.type.item or len(one.type.shape) != len(other.type.shape):
-            raise self.refused(node, "arrays of two kinds")
+            raise self.refused(node, "arrays have different types")
         same = tuple(
             a if a == b else None for a, b in zip(one.type.shape, other.type.shape, strict=True)
         )

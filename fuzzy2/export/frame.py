@@ -1,4 +1,4 @@
-"""What a kernel is made of while it is translated: variables, their types, its memory."""
+"""State of a kernel's translation: variables, their types, and memory."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from fuzzy2.export.values import (
 )
 
 Known = dict[str, Value]
-"""What stands for each variable at a place in the code."""
+"""Value of each variable at a place in the code."""
 
 
 class Frame(ABC):
-    """A kernel on its way to C, for what is known of its arguments."""
+    """Translation of a kernel to C, for known values of some arguments."""
 
     def __init__(
         self, program: Definitions, body: Callable[..., Any], arguments: list[Value]
@@ -37,7 +37,7 @@ class Frame(ABC):
         self.tree = self.source.tree
         names = [argument.arg for argument in self.tree.args.args]
         if len(names) != len(arguments):
-            raise self.refused(self.tree, "it is called with another number of arguments")
+            raise self.refused(self.tree, "it is called with a wrong number of arguments")
         self.parameters = list(zip(names, arguments, strict=True))
         self.passed = tuple(i for i, (_, v) in enumerate(self.parameters) if not v.is_known)
         self.types: dict[str, Type] = {}
@@ -46,17 +46,17 @@ class Frame(ABC):
         self.count = 0
         self.variables = self.source.assigned(self.tree.body) | set(names)
         for name in sorted(self.variables & RESERVED):
-            raise self.refused(self.tree, f"{name} is a word of C, and no name of a variable there")
+            raise self.refused(self.tree, f"{name} is a word of C, which cannot name a variable")
 
     @abstractmethod
     def expression(self, node: ast.expr, known: Known) -> Value:
         """Translate an expression."""
 
     def refused(self, node: Any, why: str) -> NotExportable:
-        """Return the error of what cannot be said in C."""
+        """Return the error for code that cannot be translated to C."""
         text = ast.unparse(node).splitlines()[0] if isinstance(node, ast.AST) else str(node)
         where = f"{self.source.place(node)}, in {self.body.__name__}: {text}"
-        return NotExportable(where, why, "what docs/concepts/kernels.md lists")
+        return NotExportable(where, why, "code that docs/concepts/kernels.md allows")
 
     # -------------------------------------------------------------------------------- variables
     def temporary(self, base: str, kind: Type) -> str:
@@ -67,23 +67,23 @@ class Frame(ABC):
         return name
 
     def declare(self, node: Any, name: str, kind: Type) -> None:
-        """Note that a variable has values of a type."""
+        """Record that a variable has values of a type."""
         if name not in self.types:
             self.types[name] = kind
             return
         try:
             self.types[name] = joined(self.types[name], kind)
         except TypeError as error:
-            raise self.refused(node, f"{name} has values of two kinds") from error
+            raise self.refused(node, f"{name} has values of different types") from error
 
     def unknown(self, node: Any, name: str) -> Value:
-        """Return a variable of which nothing is known but its type."""
+        """Return a variable of which only the type is known."""
         if name not in self.types:
-            raise self.refused(node, f"{name} is another table in one way than in another")
+            raise self.refused(node, f"{name} is a different table in each branch")
         return self.named(name, self.types[name])
 
     def named(self, name: str, kind: Type) -> Value:
-        """Return a variable of a type."""
+        """Return a variable of a given type."""
         if isinstance(kind, Record):
             fields = {
                 field: Value(sizeless(part), f"{name}.{field}") for field, part in kind.fields
@@ -93,11 +93,11 @@ class Frame(ABC):
 
     # ------------------------------------------------------------------------------------ types
     def cast(self, value: Value, kind: Type) -> Value:
-        """Return a value as one of a type."""
+        """Return a value converted to a type."""
         if value.type == kind or not isinstance(kind, Scalar):
             return self._loosened(value, kind)
         if not isinstance(value.type, Scalar):
-            raise self.refused(value.code, f"no {kind.name}")
+            raise self.refused(value.code, f"it is not a {kind.name}")
         if value.known is not None:
             return self.program.precision.number(value.known, kind)
         if kind == REAL:
@@ -105,15 +105,15 @@ class Frame(ABC):
         return Value(kind, value.code)
 
     def common(self, node: Any, one: Value, other: Value) -> Scalar:
-        """Return the type of numbers of which one or the other is taken."""
+        """Return the common type of two numbers."""
         if not (isinstance(one.type, Scalar) and isinstance(other.type, Scalar)):
-            raise self.refused(node, "whole arrays, where numbers are asked for")
+            raise self.refused(node, "an array is used where a number is expected")
         kind = joined(one.type, other.type)
         assert isinstance(kind, Scalar)
         return kind
 
     def _loosened(self, value: Value, kind: Type) -> Value:
-        """Return a part of an array as one that is not to be written to, where that is asked."""
+        """Return a part of an array as read-only if that is required."""
         if (
             isinstance(kind, Row)
             and isinstance(value.type, Row)
@@ -125,11 +125,11 @@ class Frame(ABC):
 
     # ------------------------------------------------------------------------ arrays and records
     def struct(self, kind: Row, place: str, *sizes: str) -> str:
-        """Return a part of an array as C writes it down."""
+        """Return a part of an array as a struct literal."""
         return f"({self.program.c_type(kind)}){{{', '.join((place, *sizes))}}}"
 
     def place_and_sizes(self, value: Value) -> list[str]:
-        """Return where an array begins, and its sizes."""
+        """Return the address of an array's first entry, and its sizes."""
         assert isinstance(value.type, Row)
         written = members(value.code)
         return written or [
@@ -138,11 +138,11 @@ class Frame(ABC):
         ]
 
     def handed(self, value: Value) -> Value:
-        """Return a value as it is handed over: tables of known numbers get a place and sizes."""
+        """Return a value as an argument; known tables get their address and sizes."""
         return self.program.handed(value)
 
     def record(self, name: str, parts: list[tuple[str, Value]]) -> Value:
-        """Return several values together."""
+        """Return several values as a record."""
         kind = Record(name, tuple((field, part.type) for field, part in parts))
         code = ""
         if not all(part.is_known for _, part in parts):
@@ -151,7 +151,7 @@ class Frame(ABC):
         return Value(kind, code, dict(parts))
 
     def field(self, whole: Value, name: str) -> Value:
-        """Return one of several values."""
+        """Return one value of a record."""
         assert isinstance(whole.type, Record)
         if isinstance(whole.known, dict) and name in whole.known:
             part: Value = whole.known[name]
@@ -160,14 +160,14 @@ class Frame(ABC):
 
 
 def sizeless(kind: Type) -> Type:
-    """Return the type without sizes that may differ from one way to another."""
+    """Return the type without sizes that may differ between branches."""
     if isinstance(kind, Row):
         return Row(kind.item, kind.constant, tuple(None for _ in kind.shape))
     return kind
 
 
 def forgotten(kind: Record) -> Record:
-    """Return the type of several values without the sizes of its arrays."""
+    """Return the type of a record without the sizes of its arrays."""
     return Record(
         kind.name,
         tuple(

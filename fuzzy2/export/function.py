@@ -1,4 +1,4 @@
-"""Translate one kernel to a function in C: its statements, and what is known as they follow."""
+"""Translation of one kernel to a function in C: its statements, and the known values after each."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from fuzzy2.export.kernel_source import jumps
 from fuzzy2.export.values import INT, NOTHING, Record, Row, Scalar, Table, Type, Value, joined
 
 MOST_PASSES = 16
-"""Loops of at most so many passes are written out in functions whose loops may be."""
+"""Greatest number of passes of a loop that is unrolled, in functions that allow it."""
 
 
 class Translation(Expressions):
-    """A kernel on its way to C, for what is known of its arguments."""
+    """Translation of a kernel to C, for known values of some arguments."""
 
     def translate(self) -> None:
-        """Translate the body: again, until all types of its variables are found."""
+        """Translate the body, repeatedly until the types of all variables are found."""
         before: dict[str, Type] | None = None
         changed = self.source.assigned(self.tree.body)
         while before != self.types:
@@ -32,14 +32,15 @@ class Translation(Expressions):
                     self.declare(self.tree, name, value.type)
                     known[name] = self._parameter(name, value)
                 elif name in changed and isinstance(value.type, Scalar):
-                    # What is known of it at first need not be known later: it has a place in C.
+                    # A parameter with a known initial value may be assigned later, so it needs a
+                    # variable in C.
                     self.lines += self._assign_name(self.tree, name, value, known, "    ")
                 else:
                     known[name] = value
             self.lines += self.block(self.tree.body, known, 1)
 
     def _parameter(self, name: str, value: Value) -> Value:
-        """Return a parameter: by its name, with what of its fields is known beforehand."""
+        """Return a parameter by its name, with the known values of its fields."""
         known = value.known
         if isinstance(value.type, Record) and isinstance(known, dict):
             known = {
@@ -75,7 +76,7 @@ class Translation(Expressions):
 
     # ------------------------------------------------------------------------------- statements
     def block(self, body: list[ast.stmt], known: Known, depth: int) -> list[str]:
-        """Translate statements in order; ``known`` follows what they do."""
+        """Translate statements in order, and update ``known`` accordingly."""
         lines: list[str] = []
         for statement in body:
             lines += self.statement(statement, known, depth)
@@ -117,7 +118,7 @@ class Translation(Expressions):
                 return self._assign_node(target, value, known, space)
             case ast.Assign(targets=targets, value=value):
                 return self._assign_all(targets, value, known, space)
-        raise self.refused(node, "no statement of a kernel")
+        raise self.refused(node, "a kernel cannot contain this statement")
 
     def _return(
         self, node: ast.Return, value: ast.expr | None, known: Known, space: str
@@ -129,7 +130,7 @@ class Translation(Expressions):
         try:
             self.result = kind if self.result == NOTHING else joined(self.result, kind)
         except TypeError as error:
-            raise self.refused(node, "results of two kinds") from error
+            raise self.refused(node, "results have different types") from error
         return [f"{space}return {bare(self.cast(self.handed(said), self.result).code)};"]
 
     def _branch(self, node: ast.If, known: Known, depth: int) -> list[str]:
@@ -152,7 +153,7 @@ class Translation(Expressions):
         return lines
 
     def _after_either(self, node: ast.If, one: Known, other: Known) -> Known:
-        """Return what is known after either of two ways."""
+        """Return the values that are known after either of two branches."""
         after: Known = {}
         for name in one.keys() & other.keys():
             a, b = one[name], other[name]
@@ -164,20 +165,20 @@ class Translation(Expressions):
 
     # ------------------------------------------------------------------------------------ loops
     def _forget(self, node: ast.stmt, body: list[ast.stmt], known: Known) -> None:
-        """Forget what is known of variables that a loop changes."""
+        """Forget the known values of variables that a loop changes."""
         for name in self.source.assigned(body):
             if name in known:
                 known[name] = self.unknown(node, name)
 
     def _learn(self, body: list[ast.stmt], known: Known) -> None:
-        """Variables that first appear in a loop are variables after it, too."""
+        """Declare variables that first appear in a loop, because they also exist after it."""
         for name in self.source.assigned(body):
             if name not in known and name in self.types:
                 known[name] = self.named(name, self.types[name])
 
     def _while(self, node: ast.While, known: Known, depth: int) -> list[str]:
         if node.orelse:
-            raise self.refused(node, "a loop with else")
+            raise self.refused(node, "a loop cannot have an else")
         self._forget(node, node.body, known)
         within = dict(known)
         test = self.condition(node.test, within)
@@ -199,14 +200,14 @@ class Translation(Expressions):
             or not isinstance(target, ast.Name)
             or node.orelse
         ):
-            raise self.refused(node, "no counted loop")
+            raise self.refused(node, "a for loop must count over range(...) and have no else")
         parts = [self.place(argument, known) for argument in call.args]
         number = self.program.precision.number
         start = parts[0] if len(parts) > 1 else number(0, INT)
         stop = parts[1] if len(parts) > 1 else parts[0]
         step = parts[2] if len(parts) > 2 else number(1, INT)
         if not step.known:
-            raise self.refused(node, "a step that is not known, or 0")
+            raise self.refused(node, "the step must be known and not 0")
         if start.known is not None and stop.known is not None:
             counts = range(start.known, stop.known, step.known)
             if not counts:
@@ -239,8 +240,8 @@ class Translation(Expressions):
     ) -> list[str]:
         start, stop, step = bounds
         space, lines = "    " * depth, []
-        # What Python's variable holds is not what C's counter holds, if the loop changes it, or
-        # after the loop.
+        # Python's loop variable differs from C's counter if the loop changes it, and after the
+        # loop.
         own = self.source.assigned(node.body)
         apart = name in own or self.source.is_read_beyond_its_loops(name)
         end = stop.code
@@ -278,7 +279,7 @@ class Translation(Expressions):
         return lines
 
     def _held(self, value: Value, space: str) -> tuple[Value, list[str]]:
-        """Return a value that does not change while others are written, and how it is kept."""
+        """Return a value that stays while others are written, and the lines that save it."""
         if value.is_known:
             return value, []
         name = self.temporary("value", value.type)
@@ -291,12 +292,12 @@ class Translation(Expressions):
             return self._assign(target, self.expression(value, known), known, space)
         if isinstance(value, ast.Tuple):
             if len(target.elts) != len(value.elts):
-                raise self.refused(value, "no tuple of so many values")
+                raise self.refused(value, "the tuple has a different number of values")
             pairs = zip(target.elts, value.elts, strict=True)
             return self._together(list(pairs), known, space)
         said = self.expression(value, known)
         if not isinstance(said.type, Record) or len(said.type.fields) != len(target.elts):
-            raise self.refused(value, "no tuple of so many values")
+            raise self.refused(value, "the tuple has a different number of values")
         fields = [field for field, _ in said.type.fields]
         lines: list[str] = []
         if not said.is_known and not said.code.isidentifier():
@@ -312,13 +313,13 @@ class Translation(Expressions):
     def _together(
         self, pairs: list[tuple[ast.expr, ast.expr]], known: Known, space: str
     ) -> list[str]:
-        """Assign several values at once: all are found before any is written."""
+        """Assign several values at once: all are evaluated before any is written."""
         lines, held = [], []
         before: set[str] = set()
         writes = False
         for target, source in pairs:
             value = self.expression(source, known)
-            # Arrays can be parts of one another, under other names.
+            # Arrays may share memory under different names.
             looks_up = not value.is_known and ("[" in value.code or "(" in value.code[1:])
             if words_of(value.code) & before or (looks_up and writes):
                 value, kept = self._held(value, space)
@@ -338,19 +339,19 @@ class Translation(Expressions):
             case ast.Subscript():
                 whole = self.expression(target.value, known)
                 if isinstance(whole.type, Row) and whole.type.constant:
-                    raise self.refused(target, "a table that nobody may write to")
+                    raise self.refused(target, "the table is read-only")
                 place = self.expression(target, known)
                 if isinstance(place.type, Row):
                     return self.filled(target, value, known, space)
                 return [f"{space}{place.code} = {bare(self.cast(value, place.type).code)};"]
             case ast.Tuple(elts=elts) if isinstance(value.type, Record):
                 if len(elts) != len(value.type.fields):
-                    raise self.refused(target, "no tuple of so many values")
+                    raise self.refused(target, "the tuple has a different number of values")
                 lines = []
                 for part, (field, _) in zip(elts, value.type.fields, strict=True):
                     lines += self._assign(part, self.field(value, field), known, space)
                 return lines
-        raise self.refused(target, "no place to write to")
+        raise self.refused(target, "it cannot be assigned")
 
     def _assign_name(
         self, node: ast.AST, name: str, value: Value, known: Known, space: str
@@ -364,7 +365,7 @@ class Translation(Expressions):
         return [f"{space}{name} = {bare(code)};"] if code != name else []
 
     def _after(self, name: str, value: Value) -> Value:
-        """Return what is known of a variable that was given a value."""
+        """Return the known value of a variable after an assignment."""
         kind = self.types[name]
         if isinstance(value.type, Scalar):
             if value.known is not None and value.type == kind:
@@ -374,7 +375,7 @@ class Translation(Expressions):
             assert isinstance(kind, Row)
             if isinstance(value.known, Table) and kind.constant:
                 return value
-            # Sizes are known here, though not in every way.
+            # Sizes are known here, but not in every branch.
             return Value(Row(kind.item, kind.constant, value.type.shape), name)
         parts = value.known if isinstance(value.known, dict) else {}
         fields = {}

@@ -1,8 +1,8 @@
-"""The Python source of a kernel, and what its statements do with its variables.
+"""The Python source of a kernel, and the variables that its statements use.
 
-A kernel is translated for each kind of arguments that it is called with, a robot's code has
-hundreds of such translations, and each goes over all loops several times. So what is found in a
-kernel's syntax is remembered as long as the kernel is there.
+A kernel is translated for every combination of argument types. The code of a robot has hundreds of
+such translations, and each of them goes over all loops several times. So the results of searches in
+the syntax tree are kept as long as the kernel exists.
 """
 
 from __future__ import annotations
@@ -19,20 +19,20 @@ from weakref import WeakKeyDictionary
 
 @dataclass(frozen=True)
 class KernelSource:
-    """Where a kernel is written, and its syntax, which nobody changes.
+    """Source of a kernel: its place and its syntax tree, which must not be changed.
 
     Parameters
     ----------
     tree : ast.FunctionDef
-        The syntax; its lines count from the first of the function.
+        The syntax tree, with line numbers relative to the first line of the function.
     file : str
         The file.
     first : int
         Line of the file at which the function, or the first of its decorators, begins.
     names : mapping
-        What its names mean outside of it.
+        Values of its global names.
     found : dict
-        What is remembered of parts of the syntax, by what it is and the part's identity.
+        Results of searches, by the kind of search and the identity of the node.
     """
 
     tree: ast.FunctionDef
@@ -42,11 +42,11 @@ class KernelSource:
     found: dict[Any, Any] = field(compare=False, repr=False)
 
     def place(self, node: Any) -> str:
-        """Return file and line of a part."""
+        """Return file and line of a node."""
         return f"{self.file}, line {self.first + getattr(node, 'lineno', 1) - 1}"
 
     def assigned(self, body: list[ast.stmt]) -> frozenset[str]:
-        """Return the names of the variables that a part of the syntax gives values to."""
+        """Return the names of the variables that statements assign, see :func:`assigned`."""
         key = "assigned", id(body)
         if key not in self.found:
             self.found[key] = frozenset(assigned(body))
@@ -54,7 +54,7 @@ class KernelSource:
         return names
 
     def is_read_beyond_its_loops(self, name: str) -> bool:
-        """Tell whether the variable of counted loops is read outside of them."""
+        """Return whether the variable of counted loops is read outside them."""
         key = "read", name
         if key not in self.found:
             self.found[key] = read_beyond_its_loops(self.tree.body, name)
@@ -62,7 +62,7 @@ class KernelSource:
         return is_read
 
     def combined(self, node: ast.AugAssign) -> ast.expr:
-        """Return what ``a += b`` gives to ``a``: the expression ``a + b``."""
+        """Return the expression ``a + b`` of the statement ``a += b``."""
         key = "combined", id(node)
         if key not in self.found:
             target = ast.parse(ast.unparse(node.target), mode="eval").body
@@ -85,13 +85,13 @@ def source_of(body: Callable[..., Any]) -> KernelSource:
         assert isinstance(tree, ast.FunctionDef)
         _SYNTAX[body] = tree, inspect.getsourcefile(body) or body.__module__, first, {}
     tree, file, first, found = _SYNTAX[body]
-    # What names mean may change, and is looked up anew.
+    # The values of names may change, so they are not kept.
     around = dict(inspect.getclosurevars(body).nonlocals) if body.__closure__ else {}
     return KernelSource(tree, file, first, ChainMap(around, body.__globals__), found)
 
 
 def assigned(body: list[ast.stmt]) -> set[str]:
-    """Return the names of the variables that statements give values to."""
+    """Return the names of the variables that statements assign."""
     return {name.id for name in _names(body) if isinstance(name.ctx, ast.Store)}
 
 
@@ -108,7 +108,7 @@ def _names(body: list[ast.stmt]) -> Iterator[ast.Name]:
 
 
 def jumps(body: list[ast.stmt]) -> bool:
-    """Tell whether statements leave, or begin anew, the loop that they are the body of."""
+    """Return whether statements contain a ``break`` or ``continue`` of the loop around them."""
     for statement in body:
         if isinstance(statement, ast.Break | ast.Continue):
             return True
@@ -118,7 +118,7 @@ def jumps(body: list[ast.stmt]) -> bool:
 
 
 def read_beyond_its_loops(body: list[ast.stmt], name: str) -> bool:
-    """Tell whether the variable of counted loops is read outside of them."""
+    """Return whether the variable of counted loops is read outside them."""
     waiting: list[ast.AST] = list(body)
     while waiting:
         node = waiting.pop()

@@ -1,4 +1,4 @@
-"""How numbers are written in C, in double or single precision."""
+"""Numbers in C, in double or single precision."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ GREATEST_WHOLE = 2**31 - 1
 TOO_LARGE = "a whole number of more than 31 bits"
 
 SINGLE = {"UNION_ROUNDING": 5e-7, "UNION_INSET": 1e-4}
-"""Numbers of the kernels' modules that are others in single precision: some of its roundings."""
+"""Constants of the kernels' modules that have other values in single precision."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Precision:
     Parameters
     ----------
     name : {"double", "single"}
-        Which.
+        Name of the precision.
     """
 
     name: str
@@ -42,7 +42,7 @@ class Precision:
 
     @property
     def constants(self) -> dict[str, float]:
-        """Numbers of the kernels' modules, by name, that are others in this precision."""
+        """Constants of the kernels' modules, by name, that have other values in this precision."""
         return dict(SINGLE) if self.name == "single" else {}
 
     def function(self, name: str) -> str:
@@ -50,11 +50,11 @@ class Precision:
         return name if self.name == "double" else name + "f"
 
     def literal(self, number: float) -> str:
-        """Return a number as C reads it back to the last bit."""
+        """Return a number as a C literal that gives back every bit."""
         if math.isnan(number):
             return "NAN"
         if self.name == "single":
-            # Smaller and larger ones are no numbers of single precision.
+            # Smaller and larger numbers do not exist in single precision.
             if 0.0 < abs(number) < LEAST_SINGLE:
                 number = math.copysign(LEAST_SINGLE, number)
             if abs(number) > GREATEST_SINGLE:
@@ -67,12 +67,12 @@ class Precision:
         return text if self.name == "double" else text + "f"
 
     def number(self, number: Any, kind: Scalar) -> Value:
-        """Return a number that is known.
+        """Return the value of a known number.
 
         Raises
         ------
         OverflowError
-            If it is a whole one of more than 31 bits.
+            If it is a whole number of more than 31 bits.
         """
         if kind == BOOL:
             return Value(BOOL, "1" if number else "0", bool(number))
@@ -84,9 +84,9 @@ class Precision:
         return Value(REAL, f"({text})" if text.startswith("-") else text, float(number))
 
     def value_of(self, code: str, thing: Any) -> Value:
-        """Return what is known of a Python object that a kernel takes.
+        """Return the value of a known Python object that is an argument of a kernel.
 
-        Tables of NamedTuples are named after their fields, below ``code``.
+        Tables in NamedTuples are named after their fields, with the prefix ``code``.
         """
         for types, kind in (
             ((bool, np.bool_), BOOL),
@@ -106,7 +106,7 @@ class Precision:
         if not hasattr(thing, "_fields"):
             raise NotExportable(
                 f"{code}, a {type(thing).__name__}",
-                "it is no number, array or NamedTuple of these",
+                "it is not a number, an array or a NamedTuple of these",
                 "one of these",
             )
         fields = {name: self.value_of(f"{code}_{name}", part) for name, part in _parts(thing)}

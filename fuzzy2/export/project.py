@@ -1,7 +1,8 @@
-"""A folder around C code: a program, a test with right values, a Makefile and a README.
+"""A folder around C code: a program, a test with expected values, a Makefile and a README.
 
-All of it is made from the description of the functions, :class:`fuzzy2.export.c_code.CFunction`,
-and is the same for whatever they compute. Right values are what the kernels answer in Python.
+Everything is generated from the description of the functions,
+:class:`fuzzy2.export.c_code.CFunction`, whatever they compute. The expected values are the results
+of the kernels in Python.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from fuzzy2.systems.anya import AnYaSystem
 from fuzzy2.systems.parallel import ParallelSystem
 
 RESERVED = ("calls", "cases", "main", "runner", "test")
-"""Names of files in the folder that are not the code's."""
+"""Names of the files in the folder that are not files of the code."""
 
 TEMPLATES = Path(__file__).parent / "templates"
 
@@ -32,32 +33,33 @@ CPUS = {
     "double": "-mcpu=cortex-m7 -mfpu=fpv5-d16",
     "single": "-mcpu=cortex-m4 -mfpu=fpv4-sp-d16",
 }
-"""Options of the compiler for a Cortex-M that computes in this precision."""
+"""Compiler options for a Cortex-M with floating-point hardware of this precision."""
 
 
 def write_project(code: CCode, folder: str | Path, inputs: Mapping[str, Array]) -> list[Path]:
-    """Write code with a program, a test, a Makefile and a README, and return all files.
+    """Write code with a program, a test, a Makefile and a README; return the paths of all files.
 
-    What an export before left in the folder is replaced, see
-    :mod:`fuzzy2.export.project_files`.
+    Files of an earlier export are replaced, see :mod:`fuzzy2.export.project_files`.
 
     Parameters
     ----------
     code : CCode
-        The code, which is written, too.
+        The code, whose files are written as well.
     folder : path
-        Where; it is made if it is not there.
+        The folder, which is created if necessary.
     inputs : mapping of str to ndarray (CASES, n)
-        What the cases of the test have for each argument that is read, by its name, see
-        :func:`fuzzy2.export.project_cases.drawn`. Of an array that is wider than the argument the
-        first columns are taken.
+        Inputs of the test cases for each argument that is read, by name, see
+        :func:`fuzzy2.export.project_cases.drawn`. If an array has more columns than the argument,
+        its first columns are used.
 
     Raises
     ------
     InvalidValue
-        If the code has the name of a file that is not the code's, or an argument has no inputs.
+        If the name of the code is that of another file in the folder, or if an argument has no
+        inputs.
     FileInTheWay
-        If the folder has a file of one of the names that no export left there as it is.
+        If the folder has a file with one of the names that was not left there unchanged by an
+        export.
     """
     if code.name in RESERVED:
         wanted = f"none of {', '.join(RESERVED)}, which are names of files around the code"
@@ -91,7 +93,7 @@ def export_project(
     system, precision, name
         See :func:`fuzzy2.export_c`.
     folder : path
-        Where; it is made if it is not there.
+        The folder, which is created if necessary.
 
     Raises
     ------
@@ -106,7 +108,7 @@ def export_project(
 
 
 def inputs_of(system: Any) -> Array:
-    """Return inputs of a fuzzy system for a test, most of them within its ranges.
+    """Return test inputs of a fuzzy system, most of them within its ranges.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The functions of C code by number: what programs that know nothing of them call."""
+"""The functions of C code by number, for programs that do not know the functions."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from fuzzy2.export.c_code import Argument, CCode, CFunction
 class Call:
     """A function as a call that reads and writes rows of numbers.
 
-    What the function returns is the first number that is written.
+    The return value of the function is the first number that is written.
     """
 
     function: CFunction
@@ -29,22 +29,22 @@ class Call:
 
     @property
     def reads(self) -> int:
-        """How many numbers are read."""
+        """Number of values that are read."""
         return sum(size_of(a) for a in self.read)
 
     @property
     def writes(self) -> int:
-        """How many numbers are written."""
+        """Number of values that are written."""
         return bool(self.function.result) + sum(size_of(a) for a in self.written)
 
     @property
     def begins(self) -> bool:
-        """Whether it only puts what is remembered to its beginning."""
+        """Whether it only resets the state."""
         return self.function.has_state and self.reads == 0 and self.writes == 0
 
 
 def size_of(argument: Argument) -> int:
-    """Return how many numbers an argument holds."""
+    """Return the number of values of an argument."""
     return 1 if argument.size is None else argument.size
 
 
@@ -75,8 +75,8 @@ enum {{
     CALLS_DIGITS = {17 if code.precision.name == "double" else 9} /* of a number, to the last bit */
 }};
 
-/* A function: how many numbers it reads and writes, what it returns being the first of these, and
- * whether it only puts what is remembered to its beginning. */
+/* A function: how many numbers it reads and writes (its return value is the first of these), and
+ * whether it only resets the state. */
 typedef struct {{
     const char *name;
     int reads;
@@ -86,7 +86,7 @@ typedef struct {{
 
 extern const calls_function calls_functions[CALLS_FUNCTIONS];
 
-/* Call a function. What is remembered between two calls is in one struct. */
+/* Call a function. The state between two calls is in one struct. */
 void calls_call(int function, const calls_number *reads, calls_number *writes);
 
 #endif
@@ -134,7 +134,7 @@ const calls_function calls_functions[CALLS_FUNCTIONS] = {{
 
 
 def _case(number: int, call: Call) -> Iterator[str]:
-    """Yield the lines of a call."""
+    """Yield the lines of the case for a call."""
     function, read, written = call.function, 0, int(bool(call.function.result))
     codes = ["&state"] if function.has_state else []
     for argument in function.visible:

@@ -1,4 +1,4 @@
-"""Cases of a test: what functions in C are called with, and what the same ones write in Python."""
+"""Test cases: inputs of the functions in C, and the results of the same functions in Python."""
 
 from __future__ import annotations
 
@@ -15,31 +15,30 @@ from fuzzy2.export.project_calls import calls_of, size_of
 from fuzzy2.support.checks import Array
 
 CASES = 200
-"""Each calls every function once."""
+"""Number of cases; each calls every function once."""
 
 ROOM, GREATEST = 8.0, float(np.finfo(float).max)
-"""Numbers are drawn as so many parts of what they become, and kept below the greatest there is."""
+"""Numbers are drawn divided by the first value, and limited to the second, the greatest float."""
 
 CASES_A_RUN = 20
-"""What is remembered begins anew after so many cases. At the end of a run come numbers that are
-none, since what is remembered may be spoilt by them.
+"""The state is reset after this many cases.
+
+A run ends with NaN or infinite inputs, because they may spoil the state.
 """
 
 TOLERANCES = {"double": 1e-12, "single": 1e-3}
-"""By how much answers may differ, as a share of their size: in double precision by what another C
-library rounds otherwise, in single precision by its roundings.
-"""
+"""Relative tolerances of results: in double precision for the different roundings of another C
+library, in single precision for its own roundings."""
 
 ROUNDINGS, ROUNDED_RUNS = 300.0, 3
-"""In single precision an answer may also differ by so many times what one rounding of the inputs
-makes of it, the largest of so many runs: near a singular pose that is more than a share of it.
-"""
+"""In single precision a result may also differ by a multiple of the effect of rounding the inputs,
+the largest in several runs. Near a singular pose that exceeds the relative tolerance."""
 
 
 def drawn(low: Any, high: Any, seed: int = 0) -> Array:
-    """Return inputs of all cases, most of them within a range.
+    """Return the inputs of all cases, most of them within a range.
 
-    One in five is from three times the range, and at the end of every second run one of its numbers
+    One case in five is drawn from three times the range. At the end of every second run, one number
     is NaN or infinite.
 
     Parameters
@@ -47,7 +46,7 @@ def drawn(low: Any, high: Any, seed: int = 0) -> Array:
     low, high : array_like (n,)
         The range.
     seed : int
-        Of the draw.
+        Seed of the random draw.
 
     Returns
     -------
@@ -55,7 +54,7 @@ def drawn(low: Any, high: Any, seed: int = 0) -> Array:
     """
     low, high = np.atleast_1d(np.asarray(low, float)), np.atleast_1d(np.asarray(high, float))
     rng = np.random.default_rng(seed)
-    # A range may be as wide as there are numbers; an eighth of it has room for three times that.
+    # A range may be as wide as all floats. Its eighth leaves room for three times the range.
     low, high = low / ROOM, high / ROOM
     inputs = rng.uniform(low, high, (CASES, low.size))
     outside = np.arange(3, CASES, 5)
@@ -68,15 +67,15 @@ def drawn(low: Any, high: Any, seed: int = 0) -> Array:
 
 
 class Cases:
-    """The calls of a test in order, with what is read and what Python writes.
+    """The calls of a test in order, with their inputs and the results of Python.
 
     Parameters
     ----------
     code : CCode
         The code.
     inputs : mapping of str to ndarray (CASES, n)
-        What the cases have for each argument that is read, by its name. Of an array that is wider
-        than the argument the first columns are taken.
+        Inputs of the cases for each argument that is read, by name. If an array has more columns
+        than the argument, its first columns are used.
 
     Raises
     ------
@@ -90,7 +89,7 @@ class Cases:
         self.done = self._answers(self.inputs)
 
     def _checked(self, inputs: Mapping[str, Array]) -> dict[str, Array]:
-        """Return inputs as the numbers that C reads."""
+        """Return the inputs rounded to the numbers that C reads."""
         item = np.float64 if self.code.precision.name == "double" else np.float32
         kept = {}
         for argument in (one for call in self.calls for one in call.read):
@@ -103,14 +102,14 @@ class Cases:
         return kept
 
     def _order(self) -> Iterator[tuple[int, int]]:
-        """Yield number of the function and case of every call."""
+        """Yield the number of the function and the number of the case for every call."""
         for case in range(CASES):
             for k, call in enumerate(self.calls):
                 if not call.begins or case % CASES_A_RUN == 0:
                     yield k, case
 
     def _answers(self, inputs: Mapping[str, Array]) -> list[tuple[int, Array, Array]]:
-        """Return of every call the function's number, what it reads, and what Python writes."""
+        """Return for every call the function's number, its inputs, and the results of Python."""
         states = {
             argument.name: np.zeros(size_of(argument), dtype=int if argument.is_whole else float)
             for call in self.calls
@@ -149,10 +148,10 @@ class Cases:
         )
 
     def sizes(self) -> list[Array]:
-        """Return of every call the size of each number that it writes.
+        """Return for every call the size of each result, to which tolerances are relative.
 
-        That is the largest of the number, the usual size of its array, and in single precision what
-        roundings make of it.
+        It is the largest of the result itself, the usual size of its array, and in single precision
+        the size for which the effect of roundings is within the tolerance.
         """
         usual = [self._usual(k) for k in range(len(self.calls))]
         moved = self._moved()
@@ -164,7 +163,7 @@ class Cases:
         return [np.where(np.isfinite(row), row, 1.0) for row in found]
 
     def _moved(self) -> list[Array]:
-        """Return by how much roundings move every answer, as a size of which that is the share."""
+        """Return the effect of input roundings on every result, as the size with that tolerance."""
         moved = [np.zeros(written.size) for _, _, written in self.done]
         if self.code.precision.name == "double":
             return moved
@@ -183,7 +182,7 @@ class Cases:
         return moved
 
     def _usual(self, k: int) -> Array:
-        """Return the usual size of each number that a function writes: that of its array."""
+        """Return the usual size of each result of a function, which is that of its array."""
         call = self.calls[k]
         rows = np.array([written for number, _, written in self.done if number == k])
         sizes = [1] * bool(call.function.result) + [size_of(a) for a in call.written]
@@ -199,7 +198,7 @@ class Cases:
         """Return ``cases.h``."""
         tolerance = TOLERANCES[self.code.precision.name]
         return f"""\
-/* What test.c calls, and what the same functions wrote in Python. */
+/* The calls of test.c, and the results of the same functions in Python. */
 #ifndef CASES_H
 #define CASES_H
 
@@ -210,10 +209,10 @@ enum {{ CASES = {CASES}, CASES_CALLS = {len(self.done)} }};
 /* The number of the function of each call. */
 extern const unsigned char cases_functions[CASES_CALLS];
 
-/* Call by call the numbers that are read, and those that Python wrote. */
+/* For each call the inputs, and the results of Python. */
 extern const double cases_numbers[];
 
-/* Call by call the sizes of the numbers that Python wrote, of which errors are shares. */
+/* For each call the sizes of the results, to which errors are relative. */
 extern const double cases_sizes[];
 
 #endif
@@ -252,7 +251,7 @@ def _listed(row: Array) -> str:
 
 
 def _short(row: Array) -> str:
-    # Rounded up, the greatest number would be none.
+    # Rounded up, the greatest number would be infinite.
     return ", ".join(f"{min(number, 1.79e308):.2e}" for number in row.tolist())
 
 

@@ -1,7 +1,7 @@
-"""Files of an exported folder: those of an earlier export are replaced, those of the user are kept.
+"""Files of an exported folder: an earlier export is replaced, and the user's files are kept.
 
-Beside the files stands a list of them with their hashes, as ``sha256sum`` writes it. What is in it,
-with the same hash, is what was exported and nobody's work.
+The folder contains a list of the files with their hashes, in the format of ``sha256sum``. A file in
+the list with the same hash was exported and has not been edited.
 """
 
 from __future__ import annotations
@@ -15,25 +15,26 @@ from fuzzy2.errors import FileInTheWay
 from fuzzy2.support.text_files import made_folder, read_text, write_text
 
 LIST = "files.sha256"
-"""The list; ``sha256sum -c files.sha256`` tells which files are not as they were exported."""
+"""Name of the list; ``sha256sum -c files.sha256`` reports edited files."""
 
 
 def replace_files(texts: Mapping[str, str], folder: Path) -> list[Path]:
-    """Write files and a list of them, remove those of an export before, and return their paths.
+    """Write files and a list of them, remove files of an earlier export, and return the paths.
 
-    Files of an export before that are not written again are removed, unless they were changed.
+    Files of an earlier export that are not written again are removed unless they were edited.
 
     Parameters
     ----------
     texts : mapping of str to str
-        What is to be in each file, by its name.
+        Content of each file, by name.
     folder : Path
-        Where; it is made if it is not there.
+        The folder, which is created if necessary.
 
     Raises
     ------
     FileInTheWay
-        If one of the files is there and is not as an export before left it. Nothing is written.
+        If one of the files exists and was not left there unchanged by an export. Nothing is written
+        then.
     """
     former = _former(folder)
     for name, text in texts.items():
@@ -51,7 +52,7 @@ def replace_files(texts: Mapping[str, str], folder: Path) -> list[Path]:
 
 
 def _former(folder: Path) -> set[str]:
-    """Return the names of files that are as an export before left them."""
+    """Return the names of files that an earlier export left and nobody has edited."""
     if not (folder / LIST).is_file():
         return set()
     listed = re.findall(r"^([0-9a-f]{64})  ([\w.]+)$", read_text(folder / LIST), flags=re.M)
@@ -59,7 +60,7 @@ def _former(folder: Path) -> set[str]:
 
 
 def _is(path: Path, digest: str) -> bool:
-    """Tell whether a file has a hash."""
+    """Return whether a file has a given hash."""
     return path.is_file() and _hash(path.read_bytes()) == digest
 
 

@@ -11,30 +11,30 @@ HEADINGS = "| function | reads | writes |\n|---|---|---|"
 
 
 def readme(code: CCode) -> str:
-    """Return the README: what the files are, how to use them, what the functions take."""
+    """Return the README: the files, their use, and the arguments of the functions."""
     rows = "\n".join(_row(code, call) for call in calls_of(code))
     first = next((call for call in calls_of(code) if call.reads), calls_of(code)[0])
     tolerance = TOLERANCES[code.precision.name]
     return f"""\
 # {code.name}
 
-C99 in {code.precision.name} precision. `{code.name}.c` and `{code.name}.h` are all that a program
-needs: they ask for no memory and for nothing but `math.h`, and no loop is without a bound. What
-they were made from, units, orders and codes are in `{code.name}.h`.
+C99 in {code.precision.name} precision. A program only needs `{code.name}.c` and `{code.name}.h`.
+They allocate no memory, need nothing but `math.h`, and all loops are bounded. `{code.name}.h`
+describes the origin of the code, units, orders and codes.
 
 | command | what it does |
 |---|---|
-| `make` | the program `main`: it reads lines of numbers and answers each with a line |
-| `make test` | calls all functions in {CASES} cases and compares with what Python answered |
-| `make arm` | size, and the most of the stack, on a Cortex-M; `CPU="-mcpu=..."` names another |
+| `make` | builds the program `main`, which reads lines of numbers and writes a line for each |
+| `make test` | calls all functions in {CASES} cases and compares the results with Python's |
+| `make arm` | size and greatest use of the stack on a Cortex-M; `CPU="-mcpu=..."` names another |
 
 ## Functions
 
 {HEADINGS}
 {rows}
 
-Numbers stand in this order in the lines that `main` reads and writes; what a function returns comes
-first. `./main NAME`, or the name at the beginning of a line, chooses a function:
+The lines that `main` reads and writes hold the numbers in this order; a return value comes first.
+`./main NAME`, or the name at the beginning of a line, chooses a function:
 
     echo {" ".join(["0"] * first.reads)} | ./main {short_name(code, first.function)}
 
@@ -44,9 +44,9 @@ first. `./main NAME`, or the name at the beginning of a line, chooses a function
 {_use(code, first)}
 ```
 {_state(code)}
-Compile with `-ffp-contract=off` for Python's numbers to the last bit, where the C library rounds
-as Python's does; the test lets answers differ by {tolerance:g} of their usual size. Never use
-`-ffast-math`: NaN says what has no answer.
+Compile with `-ffp-contract=off` to get Python's numbers bit for bit, if the C library rounds as
+Python's does; the test allows differences of {tolerance:g} of their usual size. Never use
+`-ffast-math`, because NaN marks missing results.
 """
 
 
@@ -64,7 +64,7 @@ def _said(argument: Argument) -> str:
 
 
 def _in_cell(text: str) -> str:
-    """Return a text as a cell of Markdown shows it: names of others neither end it nor are HTML."""
+    """Return a text for a Markdown cell, which it can neither end nor fill with HTML."""
     return printable(text).replace("&", "&amp;").replace("<", "&lt;").replace("|", "\\|")
 
 

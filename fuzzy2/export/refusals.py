@@ -1,4 +1,4 @@
-"""Parts of a fuzzy system that cannot be written in C, with what to use instead."""
+"""Parts of a fuzzy system that cannot be written in C, and their replacements."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from fuzzy2.systems.terms import domain_of
 
 
 def refusal_of(system: FuzzySystem) -> NotExportable:
-    """Return the error that names the part of a system that no kernel knows."""
+    """Return the error that names the part of a system that no kernel supports."""
     return _of_terms(system) or _of_operators(system) or _of_rules(system) or _of_outputs(system)
 
 
 def refusal_of_planes(system: GeneralType2System, error: NotExportable) -> NotExportable:
-    """Return the error of a system of which an α-plane, where this was raised, has no form in C."""
+    """Return the error for a system with an α-plane that cannot be written in C."""
     each = zip(system.input_names, system.inputs, system.term_names, strict=True)
     for i, (name, terms, words) in enumerate(each):
         for t, (term, word) in enumerate(zip(terms, words, strict=True)):
@@ -54,7 +54,7 @@ def _of_terms(system: FuzzySystem) -> NotExportable | None:
 
 
 def _tabulation(i: int, t: int, term: Any) -> str:
-    """Return the code that puts samples in the place of a term."""
+    """Return the code that replaces a term with its samples."""
     own = f"inputs[{i}][{t}]"
     left, right = domain_of([term.alpha_plane(1.0) if isinstance(term, GeneralType2Set) else term])
     sampled = f"{own}.sample(points)"
@@ -122,7 +122,7 @@ def _of_outputs(system: FuzzySystem) -> NotExportable:
     if isinstance(given, Formulas) and given.asked:
         return NotExportable(
             f"formulas of {', '.join(map(repr, given.asked))}",
-            "they ask for outputs of another system",
+            "they use outputs of another system",
             "formulas of the inputs alone",
         )
     if isinstance(given, FunctionsOfInputs):
@@ -158,6 +158,6 @@ def _is_summed(system: FuzzySystem) -> bool:
 
 
 def _sets_of(system: FuzzySystem) -> str:
-    """Return the kinds of the consequents."""
+    """Return the types of the consequents."""
     rows = system.consequent_sets or ()
     return ", ".join(sorted({type(item).__name__ for row in rows for item in row if item}))

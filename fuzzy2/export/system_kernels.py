@@ -1,6 +1,6 @@
 """Kernels of systems for one row of inputs, as exported code calls them.
 
-Each kind of system is a NamedTuple of tables, and has its body of :func:`outputs_of`.
+Each kind of system is a NamedTuple of tables, for which a body of :func:`outputs_of` is registered.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from fuzzy2.systems.union_rows import Unions, room_size, unite_in
 
 
 class Averaged(NamedTuple):
-    """Center of sets, exactly: ``table`` as :mod:`fuzzy2.systems.kernels` takes it."""
+    """Exact center of sets; ``table`` is that of :mod:`fuzzy2.systems.kernels`."""
 
     table: Array
 
 
 class Planes(NamedTuple):
-    """The same on the α-planes of one table: half-widths and weights of each."""
+    """Center of sets on the α-planes of one table, with half-widths and weights of the planes."""
 
     table: Array
     widths: Array
@@ -38,7 +38,7 @@ class Planes(NamedTuple):
 class Corollary(NamedTuple):
     """The Gaussian corollary: means and standard deviations of the consequents (R m,).
 
-    ``product`` is 1 if secondary grades are multiplied.
+    ``product`` is 1 if secondary grades are combined by the product.
     """
 
     table: Array
@@ -48,7 +48,7 @@ class Corollary(NamedTuple):
 
 
 class Pair(NamedTuple):
-    """Two systems of the same inputs, the outputs of the first one first."""
+    """Two systems with the same inputs; the outputs of the first one come first."""
 
     first: Any
     second: Any
@@ -56,15 +56,15 @@ class Pair(NamedTuple):
 
 
 class Nothing(NamedTuple):
-    """No α-plane at all: sums begin with it."""
+    """No α-plane, with which the sum over the planes begins."""
 
     start: float
 
 
 class Level(NamedTuple):
-    """An α-plane that is a system of its own, with its share in the outputs, and those below it.
+    """An α-plane that is a system of its own, with its weight, and the planes below it.
 
-    ``is_lowest`` is 1 where there are none below it.
+    ``is_lowest`` is 1 for the lowest plane.
     """
 
     below: Any
@@ -74,14 +74,14 @@ class Level(NamedTuple):
 
 
 class Defaulted(NamedTuple):
-    """A system whose outputs are ``defaults`` (m,) where it has none; NaN for no default."""
+    """A system with the default outputs ``defaults`` (m,), which are NaN for no default."""
 
     system: Any
     defaults: Array
 
 
 class Clouds(NamedTuple):
-    """Clouds of data, one after the other, where each begins, and whom antecedents ask for."""
+    """Data clouds, one after the other; where each begins, and the clouds of the antecedents."""
 
     data: Array
     starts: Any
@@ -91,19 +91,19 @@ class Clouds(NamedTuple):
 
 @chosen_by_table
 def outputs_of(system: Any, x: Array, out: Array) -> bool:
-    """Write the outputs (m,) at finite inputs (p,); return whether there are any."""
+    """Write the outputs (m,) at finite inputs (p,); return whether there are outputs."""
     raise NotImplementedError
 
 
 @chosen_by_table
 def intervals_of(system: Any, x: Array, ends: Array) -> bool:
-    """Write the type-reduced intervals (m, 2), flat; return whether there are any."""
+    """Write the type-reduced intervals (m, 2), flat; return whether there are outputs."""
     raise NotImplementedError
 
 
 @scalar
 def _finite(x: Array) -> bool:
-    """Return whether all inputs are."""
+    """Return whether all inputs are finite."""
     finite = True
     for i in range(x.size):
         finite = finite and math.isfinite(x[i])
@@ -119,14 +119,14 @@ def _nothing(out: Array) -> int:
 
 
 def answer(system, x, out):
-    """Write the outputs and return 1, or NaN and 0 where an input is not finite."""
+    """Write the outputs and return 1, or write NaN and return 0 if an input is not finite."""
     if _finite(x) and outputs_of(system, x, out):
         return 1
     return _nothing(out)
 
 
 def interval(system, x, ends):
-    """Write the type-reduced intervals and return 1, or as ``answer``."""
+    """Write the type-reduced intervals and return 1, or do as ``answer``."""
     if _finite(x) and intervals_of(system, x, ends):
         return 1
     return _nothing(ends)
@@ -177,7 +177,7 @@ def _of_corollary(system, x, out):
     work, moments = np.empty(work_size(system.table)), np.empty(2 * out.size)
     corollary_in(
         system.table, x, 0, system.middles, system.spreads, False, work, moments, 0
-    )  # the outputs do not depend on the secondary t-norm
+    )  # The outputs do not depend on the secondary t-norm.
     for j in range(out.size):
         out[j] = moments[2 * j]
     return True
@@ -210,14 +210,14 @@ def _of_points(system, x, out):
 
 @intervals_of.register(Unions)
 def _ends_of_unions(system, x, ends):
-    """Write the ends of centroids of united sets, if there is room for their pieces."""
+    """Write the ends of the centroids of unions, if the memory suffices for their pieces."""
     work, room = np.empty(work_size(system.table)), np.empty(room_size(system))
     return unite_in(system, x, 0, work, room, ends, 0)
 
 
 @outputs_of.register(Unions)
 def _of_unions(system, x, out):
-    """Write the middles of centroids of united sets, if there is room for their pieces."""
+    """Write the middles of the centroids of unions, if the memory suffices for their pieces."""
     ends = np.empty(2 * out.size)
     done = intervals_of(system, x, ends)
     _middles(ends, out)
@@ -226,7 +226,7 @@ def _of_unions(system, x, out):
 
 @intervals_of.register(Sampled)
 def _ends_of_sampled(system, x, ends):
-    """Write the ends of centroids of sets on grids."""
+    """Write the ends of the centroids of sampled unions."""
     work, room = np.empty(work_size(system.table)), np.empty(sampled_room_size(system))
     sample_in(system, x, 0, work, room, ends, 0)
     return True
@@ -234,7 +234,7 @@ def _ends_of_sampled(system, x, ends):
 
 @outputs_of.register(Sampled)
 def _of_sampled(system, x, out):
-    """Write the points of united sets on grids."""
+    """Write the outputs of sampled unions."""
     ends = np.empty(2 * out.size)
     intervals_of(system, x, ends)
     _middles(ends, out)
@@ -251,7 +251,7 @@ def _of_monotonics(system, x, out):
 
 @intervals_of.register(Monotonics)
 def _ends_of_monotonics(system, x, ends):
-    """Write Tsukamoto's averages twice."""
+    """Write Tsukamoto's averages as both ends."""
     out = np.empty(ends.size // 2)
     outputs_of(system, x, out)
     for j in range(out.size):
@@ -275,7 +275,7 @@ def _ends_of_pair(system, x, ends):
 
 @outputs_of.register(Nothing)
 def _of_nothing(system, x, out):
-    """Begin a sum."""
+    """Begin the sum over the α-planes."""
     for j in range(out.size):
         out[j] = system.start
     return x.size > 0
@@ -302,7 +302,7 @@ def _ends_of_level(system, x, ends):
 
 @outputs_of.register(Defaulted)
 def _of_defaulted(system, x, out):
-    """Write the outputs, or what stands for them."""
+    """Write the outputs, or their defaults."""
     done = outputs_of(system.system, x, out)
     for j in range(out.size):
         if math.isnan(out[j]):
@@ -312,7 +312,7 @@ def _of_defaulted(system, x, out):
 
 @intervals_of.register(Defaulted)
 def _ends_of_defaulted(system, x, ends):
-    """Write the ends, or what stands for them where an output has no answer on some α-plane."""
+    """Write the ends, or the default of an output without an answer on some α-plane."""
     out = np.empty(ends.size // 2)
     answered = outputs_of(system.system, x, out)
     done = intervals_of(system.system, x, ends)
@@ -324,7 +324,7 @@ def _ends_of_defaulted(system, x, ends):
 
 @outputs_of.register(Clouds)
 def _of_clouds(system, x, out):
-    """Write the outputs of rules that ask how dense clouds are about the inputs."""
+    """Write the outputs of rules that depend on the density of clouds around the inputs."""
     away, firing = np.empty(x.size), np.empty(system.asked.size)
     densities_in(system.data, system.starts, system.asked, x, 0, away, firing, 0)
     return outputs_of(system.consequents, firing, out)
@@ -332,7 +332,7 @@ def _of_clouds(system, x, out):
 
 @intervals_of.register(Clouds)
 def _ends_of_clouds(system, x, ends):
-    """Write the ends of rules that ask how dense clouds are about the inputs."""
+    """Write the ends of rules that depend on the density of clouds around the inputs."""
     away, firing = np.empty(x.size), np.empty(system.asked.size)
     densities_in(system.data, system.starts, system.asked, x, 0, away, firing, 0)
     return intervals_of(system.consequents, firing, ends)

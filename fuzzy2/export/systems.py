@@ -1,4 +1,4 @@
-"""Fuzzy systems as C99: which kernels and tables compute a system's outputs."""
+"""Export of fuzzy systems to C99: kernels and tables that compute a system's outputs."""
 
 from __future__ import annotations
 
@@ -45,35 +45,37 @@ def export_c(
 ) -> CCode:
     """Write a fuzzy system as one self-contained .c and .h file of C99.
 
-    The code is translated from the kernels that evaluate the system here, and gives the same
-    numbers in double precision. It allocates no memory, is not recursive, writes to no global
-    variables and needs only ``math.h``.
+    The code is translated from the kernels that evaluate the system in Python, and gives the same
+    numbers in double precision. It does not allocate memory, is not recursive, does not write to
+    global variables and needs only ``math.h``.
 
     Parameters
     ----------
     system : FuzzySystem, ParallelSystem, AnYaSystem, or a fitted learner
-        What is written; of a learner its ``system_``, so a classifier answers with the grades of
-        its classes.
+        The system. For a learner it is ``system_``, so the outputs of a classifier are the grades
+        of its classes.
     path : str or Path
-        Folder for ``name.h`` and ``name.c``; it is made if it is not there.
+        Folder for ``name.h`` and ``name.c``, which is created if necessary.
     precision : {"double", "single"}
-        Of all numbers; single for processors whose floating-point unit knows no other.
+        Precision of all numbers. Use single precision for processors whose floating-point unit does
+        not support double precision.
     name : str
         Prefix of all names, and the name of the files.
 
     Returns
     -------
     CCode
-        The text of both files, and what is in them.
+        The text of both files, with a description of their functions.
 
     Raises
     ------
     NotExportable
-        If a part of the system has no form in C; it is named, with what to take in its place.
+        If a part of the system cannot be written in C. The message names the part and its
+        replacement.
     NotFitted
-        If a learner has not learned.
+        If a learner is not fitted.
     InvalidValue
-        If ``name`` is no name in C.
+        If ``name`` is not an identifier in C.
     UnknownName
         If there is no such precision.
     """
@@ -85,7 +87,7 @@ def export_c(
 def c_code_of(
     system: Any, *, precision: Literal["double", "single"] = "double", name: str = "system"
 ) -> CCode:
-    """Return what :func:`export_c` writes."""
+    """Return the code that :func:`export_c` writes."""
     system = system_of(system)
     tables = Known("system", tables_of(system))
     each = getattr(system, "systems", [system])
@@ -115,7 +117,7 @@ def c_code_of(
 
 
 def has_intervals(system: Any) -> bool:
-    """Return whether an output of a system may be an interval that is more than a point."""
+    """Return whether an output of a system may be an interval with a width."""
     if isinstance(system, ParallelSystem):
         return any(has_intervals(one) for one in system.systems)
     if isinstance(system, AnYaSystem):
@@ -130,20 +132,21 @@ def has_intervals(system: Any) -> bool:
 
 
 def system_of(thing: Any) -> Any:
-    """Return the system that something is or has learned."""
+    """Return a system, or the system of a learner."""
     if hasattr(thing, "fit"):
         thing = thing._system()
     if not isinstance(thing, FuzzySystem | ParallelSystem | AnYaSystem):
         raise NotExportable(
-            f"a {type(thing).__name__}", "it is no fuzzy system", "a system, or a fitted learner"
+            f"a {type(thing).__name__}", "it is not a fuzzy system", "a system, or a fitted learner"
         )
     return thing
 
 
 def without_shapes(systems: Iterable[Any]) -> dict[str, float]:
-    """Return numbers of kernels that leave out the shapes of terms, where no system has one.
+    """Return replacements for kernels that leave out the shapes of terms that no system uses.
 
-    Gaussians and trapezoids are none of these. Without shapes ``pow`` and its tables are spared.
+    Gaussians and trapezoids are always included. Without other shapes, ``pow`` and its tables are
+    not needed.
     """
     for system in (part for one in systems for part in _tabled(one)):
         table, reducer = getattr(system, "table", None), getattr(system, "reducer", None)
@@ -158,7 +161,7 @@ def without_shapes(systems: Iterable[Any]) -> dict[str, float]:
 
 
 def _tabled(system: Any) -> list[Any]:
-    """Return the systems whose tables are exported: where each α-plane has its own, the planes."""
+    """Return the systems whose tables are exported: the α-planes if each has its own tables."""
     is_one = not isinstance(system, GeneralType2System) or system.reduction == "gaussian"
     if is_one or (system.table is not None and system.in_one_loop):
         return [system]
@@ -166,7 +169,7 @@ def _tabled(system: Any) -> list[Any]:
 
 
 def _functions_left_out(systems: Iterable[Any]) -> tuple[str, ...]:
-    """Return the kernels of functions that no formula of a system needs."""
+    """Return the names of formula functions that no formula of a system uses."""
     programs = [
         part.reducer.programs.tolist()
         for system in systems
@@ -211,7 +214,7 @@ def _side_by_side(systems: list[FuzzySystem]) -> Any:
 
 
 def _of_general(system: GeneralType2System) -> Any:
-    """Return one table for all α-planes where there is one, else the tables of each."""
+    """Return one table for all α-planes if possible, otherwise the tables of each plane."""
     table = system.table
     if system.reduction == "gaussian":
         if table is None:

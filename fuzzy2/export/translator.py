@@ -1,11 +1,11 @@
-"""Translate compiled kernels to C99, from their own source.
+"""Translation of compiled kernels to C99, from their Python source.
 
-There is one truth: the Python source that numba compiles is also what becomes C. A kernel is
-translated for what is known of its arguments. Tables are ``static const`` arrays, numbers that are
-known are written down, branches that are never taken are left out, and a function of which nothing
-is unknown is called here and now.
+There is a single source: the Python code that numba compiles is also translated to C. A kernel is
+translated for the known values of its arguments. Tables become ``static const`` arrays, known
+numbers become literals, branches that are never taken are left out, and a call whose arguments are
+all known is evaluated during the translation.
 
-What a kernel may use is in ``docs/concepts/kernels.md``: numbers, flat arrays and parts of them,
+``docs/concepts/kernels.md`` lists what kernels may contain: numbers, flat arrays and parts of them,
 NamedTuples of these, counted loops, branches, and calls of other kernels.
 """
 
@@ -27,7 +27,7 @@ class Program(Definitions):
     """Kernels translated to C functions, with the types and tables that they need."""
 
     def call(self, function: Callable[..., Any], arguments: list[Value]) -> Value:
-        """Return what a call of a kernel stands for; it is translated if it is not yet."""
+        """Return the value of a call of a kernel, which is translated first if necessary."""
         body = body_for(function, arguments[0] if arguments else None)
         if body.__name__ in self.never:
             return self.precision.number(False, BOOL)
@@ -64,7 +64,7 @@ class Program(Definitions):
 
 
 def body_for(function: Any, first: Value | None) -> Callable[..., Any]:
-    """Return the Python function of a kernel, or of one that is chosen by its first argument."""
+    """Return the Python function of a kernel, or of the body that its first argument chooses."""
     bodies = getattr(function, "bodies", None)
     if bodies is not None:
         kind = first.type.name if first is not None and isinstance(first.type, Record) else ""
@@ -77,7 +77,7 @@ def body_for(function: Any, first: Value | None) -> Callable[..., Any]:
 
 
 def python_of(value: Value) -> Any:
-    """Return the Python object that a known value stands for."""
+    """Return the Python object for a known value."""
     if isinstance(value.known, Table):
         assert isinstance(value.type, Row)
         size = math.prod(int(n or 0) for n in value.type.shape)

@@ -1,4 +1,4 @@
-"""Values of translated kernels: their type, their C code and what is known of them."""
+"""Values in translated kernels: their types, their C code, and known numbers."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ REAL, INT, BOOL, NOTHING = Scalar("real"), Scalar("int"), Scalar("bool"), Scalar
 
 @dataclass(frozen=True)
 class Row:
-    """A part of an array of one or two dimensions: where it begins, and its sizes.
+    """Part of an array of one or two dimensions: its beginning and its sizes.
 
-    ``item`` is REAL or INT; ``constant`` where nobody may write to it; ``shape`` has None for each
-    size that is known only when the code runs.
+    ``item`` is REAL or INT, ``constant`` is true for a read-only part, and ``shape`` has None for
+    each size that is only known at run time.
     """
 
     item: Scalar
@@ -33,9 +33,9 @@ class Row:
 
 @dataclass(frozen=True)
 class Record:
-    """Several values with names: a NamedTuple, or a tuple, whose names are ``f0`` and so on.
+    """Named values: a NamedTuple, or a tuple with the names ``f0``, ``f1`` and so on.
 
-    ``made`` is the class of the NamedTuple, where that is known.
+    ``made`` is the class of the NamedTuple, if known.
     """
 
     name: str
@@ -52,9 +52,9 @@ Type = Scalar | Row | Record
 
 @dataclass(frozen=True)
 class Table:
-    """Numbers that are known when the code is written, from a place on: an array of C.
+    """Known numbers, from a place on: an array in C.
 
-    ``numbers`` is flat; two tables are the same where they are the same array.
+    ``numbers`` is flat. Two tables are equal if they are the same array object.
     """
 
     name: str
@@ -64,7 +64,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Value:
-    """What an expression stands for.
+    """Value of an expression.
 
     ``known`` is a number, a :class:`Table`, a dict of the values of a record, or None.
     """
@@ -75,7 +75,7 @@ class Value:
 
     @property
     def is_known(self) -> bool:
-        """Whether nothing of it has to be handed over when the code runs."""
+        """Whether no part of it has to be passed at run time."""
         if isinstance(self.type, Record):
             return isinstance(self.known, dict) and all(v.is_known for v in self.known.values())
         if isinstance(self.type, Row):
@@ -84,7 +84,7 @@ class Value:
 
     @property
     def key(self) -> Any:
-        """What functions are told apart by that are translated for this value."""
+        """Key that distinguishes the translated functions for different values of an argument."""
         if isinstance(self.known, dict):
             return self.type, tuple((name, value.key) for name, value in self.known.items())
         if isinstance(self.known, float) and self.known != self.known:
@@ -93,7 +93,7 @@ class Value:
 
 
 def joined(one: Type, other: Type) -> Type:
-    """Return the type of a variable that has values of both."""
+    """Return the common type of a variable that has values of both types."""
     if one == other:
         return one
     if isinstance(one, Scalar) and isinstance(other, Scalar):

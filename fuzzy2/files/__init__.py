@@ -1,1 +1,1 @@
-"""Files of fuzzy systems: JSON, .fis and FML."""
+"""Files of fuzzy systems: JSON, .fis, FML, .fll and .fcl."""

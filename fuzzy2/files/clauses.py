@@ -1,4 +1,4 @@
-"""Rules without nested groups, as most formats write them: clauses joined by *and* or *or*."""
+"""Rules without nested groups, as most formats write them: clauses joined with *and* or *or*."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from fuzzy2.systems.hedges import Hedge
 
 
 class Clause(NamedTuple):
-    """``input is term`` in a flat rule, with what it is changed by: ``"not"`` and hedges.
+    """``input is term`` in a flat rule, with its modifiers: ``"not"`` and hedges.
 
-    The outermost change comes first.
+    The outermost modifier comes first.
     """
 
     input: int
@@ -20,10 +20,10 @@ class Clause(NamedTuple):
 
 
 def clauses_of_rule(asked: Antecedent) -> tuple[bool, tuple[Clause, ...]] | None:
-    """Return what a flat rule asks for: whether by *or*, and its clauses.
+    """Return the antecedent of a flat rule: whether it joins with *or*, and its clauses.
 
-    Clauses are ``input is term``, with hedges and *not* before them. A clause that holds always is
-    left out of a conjunction. None of a rule that is not flat.
+    Clauses are ``input is term``, with hedges and *not* before them. A clause that always holds is
+    left out of a conjunction. The result is None if the rule is not flat.
     """
     match asked:
         case And(parts) | Or(parts):

@@ -1,10 +1,11 @@
-"""What the files of other programs say of a system.
+"""Description of a system in the terms of other programs' files.
 
-Named variables with named terms, rules by number, and the operators.
+It consists of named variables with named terms, rules with numbers, and operators.
 
-Both ways between such a description and a system, for every format. Consequents that are sets
-(Mamdani) go with the reducers that unite them, or Tsukamoto's; numbers and linear functions
-(Takagi, Sugeno, Kang) with averages. What a format has no word for its writer refuses.
+This module converts between descriptions and systems, in both directions and for every format.
+Consequents that are sets (Mamdani) are reduced by type reductions that unite them, or by
+Tsukamoto's; numbers and linear functions (Takagi, Sugeno, Kang) by averages. The writer of a format
+refuses whatever the format cannot express.
 """
 
 from __future__ import annotations
@@ -32,11 +33,11 @@ SUM = "sum"
 """Name of the aggregation that adds the output sets of the rules instead of uniting them."""
 
 SILENT = -1
-"""Instead of the number of a term: the rule says nothing of the output."""
+"""Number of a missing term: the rule has no consequent for the output."""
 
 
 class Constant(NamedTuple):
-    """Consequent that is an interval, or a number if its ends are equal."""
+    """Consequent that is an interval, or a number if both ends are equal."""
 
     left: float
     right: float
@@ -45,7 +46,7 @@ class Constant(NamedTuple):
 class LinearFunction(NamedTuple):
     """Consequent that is a linear function of the inputs.
 
-    ``spreads``, if there are any, are half-widths of the constant and of the slopes, as those of
+    ``spreads``, if given, are half-widths of the constant and of the slopes, as in
     :class:`fuzzy2.systems.consequents.Linear`.
     """
 
@@ -55,10 +56,10 @@ class LinearFunction(NamedTuple):
 
 
 class DescribedRule(NamedTuple):
-    """What a rule asks for and says.
+    """Antecedent, consequents and weight of a rule.
 
-    ``asked`` is a tree by numbers of inputs and terms, ``said`` the number of a term of each
-    output or ``SILENT``, and ``weight`` what the firing is multiplied by.
+    ``asked`` is the antecedent, a tree with numbers of inputs and terms. ``said`` holds the number
+    of the term of each output, or ``SILENT``. ``weight`` is a factor of the firing.
     """
 
     asked: Antecedent
@@ -70,8 +71,8 @@ class DescribedRule(NamedTuple):
 class Variable:
     """An input or an output.
 
-    Terms are sets by name, or for the outputs of a Takagi-Sugeno-Kang system constants and
-    functions. ``default`` is the output where no rule fires, None for NaN.
+    Terms are sets by name; outputs of a Takagi-Sugeno-Kang system have constants and functions
+    instead. ``default`` is the output where no rule fires; None stands for NaN.
     """
 
     name: str
@@ -91,23 +92,23 @@ class Description:
     rules : tuple of DescribedRule
         The rules, by number.
     t_norm, disjunction : str
-        What *and* and *or* mean.
+        T-norm of *and* and t-conorm of *or*.
     mamdani : bool
-        Whether consequents are sets; else they are numbers and functions.
+        Whether consequents are sets; otherwise they are numbers and functions.
     implication : str, optional
-        How firing clips or scales sets; ``t_norm`` by default.
+        T-norm that clips or scales sets by the firing; ``t_norm`` by default.
     aggregation : str
-        How sets are united, ``SUM`` if they are added; of numbers, see ``reduction``.
+        How sets are united; ``SUM`` adds them. For numbers, see ``reduction``.
     reduction : str, optional
-        Type reduction, a name of :mod:`fuzzy2.systems.operators`: by default ``"centroid"`` of
-        sets and ``"center_of_sets"`` of numbers. ``"center_of_sums"`` is ``"centroid"`` with the
+        Type reduction, a name in :mod:`fuzzy2.systems.operators`. The default is ``"centroid"`` for
+        sets and ``"center_of_sets"`` for numbers. ``"center_of_sums"`` is ``"centroid"`` with the
         aggregation ``SUM``.
     type2 : bool
         Whether it is an interval type-2 system.
     method, shares : str and (float, float)
-        Method of type reduction, and its shares if it is ``"begian_melek_mendel"``.
+        Method of type reduction, and the shares of ``"begian_melek_mendel"``.
     integration, resolution : str and int
-        How centroids are found, and the points of a sum.
+        How centroids are computed, and the number of points of a sum.
     options : dict
         Other arguments of the system.
     """
@@ -130,7 +131,7 @@ class Description:
 
     @property
     def reduced_by(self) -> str:
-        """The type reduction, by default that of the kind of consequents."""
+        """The type reduction; by default that for the kind of consequents."""
         return self.reduction or ("centroid" if self.mamdani else "center_of_sets")
 
     @property
@@ -140,10 +141,10 @@ class Description:
 
 
 def system_of(description: Description) -> FuzzySystem:
-    """Return the system that a description is of.
+    """Return the system of a description.
 
-    Output sets are cut off at the ends of the range of their output, but for Tsukamoto's average,
-    which asks them for points wherever they live.
+    Output sets are cut off at the ends of their output's range, except for Tsukamoto's average,
+    which may use points anywhere.
     """
     outputs = description.outputs
     anywhere = description.reduced_by == "tsukamoto"
@@ -210,9 +211,9 @@ def _meanings(output: Variable, mamdani: bool) -> dict[str, Any]:
 
 
 def negated(variable: Variable, number: int) -> int:
-    """Return the number of the complement of a term of an output.
+    """Return the number of the complement of an output's term.
 
-    If it is none yet, it becomes a term of its own, *not* with its name.
+    If the complement does not exist yet, it is added as a term named *not* and the term's name.
     """
     name = list(variable.terms)[number]
     opposite = complement(variable.terms[name])
@@ -226,12 +227,12 @@ def negated(variable: Variable, number: int) -> int:
 
 
 def description_of(system: FuzzySystem, where: str) -> Description:
-    """Return the description of a system; ``where`` is the format for which it is made.
+    """Return the description of a system; ``where`` is the format that it is made for.
 
     Raises
     ------
     NotExpressible
-        If the system has parts for which no format has a word.
+        If the system has parts that no format can express.
     """
     if not isinstance(system, Type1System | IntervalType2System):
         raise NotExpressible(
@@ -292,7 +293,7 @@ def description_of(system: FuzzySystem, where: str) -> Description:
 
 
 def _columns(system: FuzzySystem) -> list[tuple[tuple[float, float] | None, list[Any]]]:
-    """Return the range of each output and what each rule says of it, None where it is silent."""
+    """Return the range and the consequents of each output; None where a rule has none."""
     ranges = system.output_ranges or (None,) * system.n_outputs
     if system.consequent_sets is not None:
         of_sets = system.consequent_sets
@@ -301,7 +302,7 @@ def _columns(system: FuzzySystem) -> list[tuple[tuple[float, float] | None, list
 
 
 def said_numbers(system: FuzzySystem, j: int) -> list[Constant | LinearFunction | None]:
-    """Return what each rule says of an output of numbers or functions, None where it is silent."""
+    """Return the consequents of an output of numbers or functions; None where a rule has none."""
     consequents, silent = system.consequents, system.silent
     said: list[Constant | LinearFunction]
     if isinstance(consequents, Linear):
@@ -326,7 +327,7 @@ def _output(
     found: tuple[tuple[float, float] | None, list[Any]],
     where: str,
 ) -> tuple[Variable, list[int]]:
-    """Return an output and the number of its term in each rule."""
+    """Return an output, and the number of its term in each rule."""
     (ends, column), name = found, system.output_names[j]
     known = {} if system.output_terms is None else dict(system.output_terms[j])
     terms = {word: _described(meaning, ends) for word, meaning in known.items()}
@@ -353,7 +354,7 @@ def _output(
 
 
 def _described(meaning: Any, ends: tuple[float, float] | None) -> Any:
-    """Return a term of an output as descriptions have it."""
+    """Return a term of an output in the form of descriptions."""
     if isinstance(meaning, Type1Set | IntervalType2Set):
         return meaning if ends is None else _whole([meaning], ends)[1][0]
     left, right = np.broadcast_to(np.asarray(meaning, dtype=float), 2).tolist()
@@ -363,7 +364,7 @@ def _described(meaning: Any, ends: tuple[float, float] | None) -> Any:
 def numbers_of(said: list[list[Any]], inputs: int) -> Linear | Array:
     """Return the consequents of a Takagi-Sugeno-Kang system, by rule and output.
 
-    In the simplest form that holds them; 0 where a rule is silent.
+    They have the simplest possible form, and are 0 where a rule has no consequent.
     """
     rows = [[Constant(0.0, 0.0) if term is None else term for term in row] for row in said]
     if any(isinstance(term, LinearFunction) for row in rows for term in row):
@@ -386,9 +387,9 @@ def _as_function(term: Constant | LinearFunction, inputs: int) -> LinearFunction
 
 
 def _limits(values: Any) -> tuple[float, float]:
-    """Return the least and the greatest number, apart also where they are one.
+    """Return the least and the greatest number; if they are equal, make them differ.
 
-    A range of no width is not read; constants may all be one.
+    All constants may be equal, but readers refuse a range without a width.
     """
     low, high = float(np.min(values)), float(np.max(values))
     margin = 0.0 if low < high else max(1.0, 0.5 * abs(low))
@@ -418,7 +419,7 @@ def _cut(term: Any, ends: tuple[float, float]) -> Any:
 
 
 def _numbered(column: list[Any]) -> list[str]:
-    """Return names for the terms of a column, numbered as they come; equal terms have one name."""
+    """Return names for the terms of a column, numbered in order; equal terms share a name."""
     distinct: list[Any] = []
     for term in column:
         if term is not None and term not in distinct:
@@ -429,9 +430,9 @@ def _numbered(column: list[Any]) -> list[str]:
 def _whole(
     column: list[Any], given: tuple[float, float] | None
 ) -> tuple[tuple[float, float], list[Any]]:
-    """Return the range on which output sets are evaluated, and the uncut sets.
+    """Return the range on which output sets are evaluated, and the sets before they were cut off.
 
-    The sets are those before they were cut off at the ends of the range.
+    Sets were cut off at the ends of the range when the system was read.
     """
     ends = given or domain_of([term for term in column if term is not None] or [Singleton(0.0)])
 
@@ -439,7 +440,7 @@ def _whole(
         if not isinstance(term, Truncated):
             return term
         left, right = term.whole.support
-        # A set that was cut off further in is another one on the range.
+        # A set that was cut off inside the range is a different set on the range.
         inside = (term.left > ends[0] and term.left > left) or (
             term.right < ends[1] and term.right < right
         )
@@ -467,7 +468,7 @@ def check_crisp(term: LinearFunction, where: str) -> None:
     Raises
     ------
     NotExpressible
-        If it has some.
+        If the function has spreads.
     """
     if term.spreads:
         raise NotExpressible(

@@ -1,10 +1,9 @@
-"""What files of fuzzylite and of IEC 61131-7 say of a system: every output has its own operators.
+"""Contents of fuzzylite and IEC 61131-7 files, in which every output has its own operators.
 
-An :class:`Engine` stands between the text and the system, both ways: it adds to what
-:mod:`fuzzy2.files.description` has operators for each output and each block of rules, outputs in
-conditions, formulas, and names instead of numbers. Outputs that follow each other with the same
-operators become one system; where there are more than one, they become a
-:class:`fuzzy2.ParallelSystem`.
+An :class:`Engine` is the intermediate form between text and system, in both directions. Beyond
+:mod:`fuzzy2.files.description` it has operators for each output and each block of rules, outputs in
+conditions, formulas, and names instead of numbers. Consecutive outputs with the same operators
+become one system. If there are several such systems, they become a :class:`fuzzy2.ParallelSystem`.
 """
 
 from __future__ import annotations
@@ -31,15 +30,15 @@ from fuzzy2.systems.system import Type1System
 AnySystem: TypeAlias = Type1System | ParallelSystem
 
 _DEEPEST = 100
-"""Levels of a rule; people write three."""
+"""Greatest depth of a rule; people write about three levels."""
 _MOST_CLAUSES = 1000
-"""Clauses of a rule, those of the rules that its outputs stand for among them."""
+"""Greatest number of clauses of a rule, including those of the rules that replace its outputs."""
 
 
 class Defuzzifier(NamedTuple):
-    """How an output becomes a number: a type reduction, and the points that it sums over.
+    """Defuzzifier of an output: a type reduction, and the number of points that it sums over.
 
-    ``resolution`` is None where the integral is exact, or nothing is integrated.
+    ``resolution`` is None if the integral is exact or there is none.
     """
 
     reduction: str
@@ -49,7 +48,7 @@ class Defuzzifier(NamedTuple):
 
 @dataclass(frozen=True)
 class Input:
-    """An input: its range, None if it has no end, and its terms by name."""
+    """An input: its range, which is None if it has no ends, and its terms by name."""
 
     name: str
     range: tuple[float, float] | None
@@ -60,8 +59,8 @@ class Input:
 class Output:
     """An output.
 
-    Terms are sets, constants or functions by name. ``aggregation`` is None where none is
-    given, ``default`` is the output where no rule fires, NaN for none.
+    Terms are sets, constants or functions by name. ``aggregation`` is None if none is given.
+    ``default`` is the output where no rule fires, and NaN if there is no default.
     """
 
     name: str
@@ -74,7 +73,7 @@ class Output:
 
 @dataclass(frozen=True)
 class EngineRule:
-    """A rule by names, with its place in the file and the operators of its block."""
+    """A rule with names, its place in the file and the operators of its block."""
 
     place: int
     asked: Antecedent
@@ -96,7 +95,7 @@ class Engine:
 
 
 class _Spoken(NamedTuple):
-    """A rule of an output: its tree without other outputs, and the operators that it needs."""
+    """A rule for an output: its tree without other outputs, and the operators that it uses."""
 
     rule: EngineRule
     tree: Antecedent
@@ -106,7 +105,7 @@ class _Spoken(NamedTuple):
 
 
 def _joint(first: tuple[Any, ...], second: tuple[Any, ...]) -> tuple[Any, ...] | None:
-    """Return operators that serve outputs with either, or None; what is not needed is None."""
+    """Return operators that suit both of two outputs, or None; unused operators are None."""
     named = []
     for one, other in zip(first[0], second[0], strict=True):
         if None not in (one, other) and one != other:
@@ -116,7 +115,7 @@ def _joint(first: tuple[Any, ...], second: tuple[Any, ...]) -> tuple[Any, ...] |
 
 
 def _weighted(one: _Spoken) -> Antecedent:
-    """Return a rule's tree times its weight."""
+    """Return a rule's tree, multiplied by its weight."""
     weight = one.rule.weight
     if weight == 1.0:
         return one.tree
@@ -124,7 +123,7 @@ def _weighted(one: _Spoken) -> Antecedent:
 
 
 def depth_of(tree: Antecedent) -> int:
-    """Return how many levels a tree has."""
+    """Return the number of levels of a tree."""
     deepest, level = 0, [tree]
     while level:
         deepest += 1
@@ -133,7 +132,7 @@ def depth_of(tree: Antecedent) -> int:
 
 
 def _below(level: Sequence[Antecedent]) -> list[Antecedent]:
-    """Return the parts of trees."""
+    """Return the direct parts of trees."""
     parts: list[Antecedent] = []
     for one in level:
         if isinstance(one, And | Or):
@@ -144,14 +143,14 @@ def _below(level: Sequence[Antecedent]) -> list[Antecedent]:
 
 
 class SystemMaker:
-    """The system of an engine.
+    """Makes the system of an engine.
 
     Parameters
     ----------
     engine : Engine
-        What the file says.
+        Content of the file.
     refused : callable
-        Takes the place in the file, what is refused and the reason, and returns the error.
+        Takes the place in the file, the refused part and the reason, and returns the error.
     """
 
     def __init__(self, engine: Engine, refused: Any) -> None:
@@ -171,7 +170,7 @@ class SystemMaker:
                 self._merge(one)
 
     def _merge(self, output: Output) -> None:
-        """Aggregate the rules of an average that say the same: one rule asks for any of them."""
+        """Join the rules of an average that have the same consequent into one, with *or*."""
         merged: dict[str, _Spoken] = {}
         for one in self._spoken[output.name]:
             first = merged.setdefault(one.term, one)
@@ -185,7 +184,7 @@ class SystemMaker:
         self._spoken[output.name] = list(merged.values())
 
     def _resolved(self, rule: EngineRule) -> tuple[Antecedent, frozenset[str], frozenset[str]]:
-        """Return a rule's tree, in which outputs stand for the rules that spoke of them before."""
+        """Return a rule's tree, with outputs replaced by the earlier rules that conclude them."""
         both: set[str] = set()
         either: set[str] = set()
         for kind, name, found in (
@@ -196,7 +195,7 @@ class SystemMaker:
                 if name is None:
                     word = "and" if kind is And else "or"
                     raise self._refused(
-                        rule.place, f'a rule with "{word}"', "its block does not say what that is"
+                        rule.place, f'a rule with "{word}"', "its block does not define it"
                     )
                 found.add(name)
 
@@ -208,7 +207,7 @@ class SystemMaker:
                 both.update(one.both)
                 either.update(one.either)
             if not before:
-                # A term of which no rule has spoken holds nowhere.
+                # A term that no rule has concluded holds to the degree 0.
                 return Not(Is(self._inputs[0], None))
             if len(before) == 1:
                 return _weighted(before[0])
@@ -216,7 +215,7 @@ class SystemMaker:
             return Or(tuple(_weighted(one) for one in before))
 
         tree = mapped(rule.asked, resolved)
-        # Counted only as far as needed: a chain of rules doubles its tree with every link.
+        # Counted only up to the limit, because every link of a chain of rules doubles the tree.
         many = sum(1 for _ in islice(leaves(tree), _MOST_CLAUSES + 1)) > _MOST_CLAUSES
         if many or depth_of(tree) > _DEEPEST:
             raise self._refused(
@@ -249,7 +248,7 @@ class SystemMaker:
         return systems[0] if len(systems) == 1 else ParallelSystem(systems)
 
     def _asked_by(self, output: Output) -> set[str]:
-        """Return the other outputs that the formulas of an output ask for."""
+        """Return the other outputs that the formulas of an output use."""
         names = {one.name for one in self._engine.outputs}
         said = (output.terms[one.term] for one in self._spoken[output.name])
         formulas = (Formula(term.text) for term in said if isinstance(term, FormulaFunction))
@@ -260,20 +259,20 @@ class SystemMaker:
             self._known[name] = OutputOf(system, j)
 
     def _check_asked(self, output: Output, asked: set[str]) -> None:
-        """Refuse formulas of outputs that come later, and of the output itself."""
+        """Refuse formulas that use later outputs, or the output itself."""
         for name in sorted(asked.difference(self._known)):
             raise self._refused(
                 self._spoken[output.name][0].rule.place,
-                f"a formula of {output.name!r} that asks for {name!r}",
+                f"a formula of {output.name!r} that uses {name!r}",
                 "a system does not remember its last outputs; those before it are known",
             )
 
     def _keyed(self) -> list[tuple[tuple[Any, ...], Output]]:
-        """Return the outputs with their operators; one of which no rule speaks takes others'."""
+        """Return the outputs with their operators; one without rules takes those of another."""
         outputs = self._engine.outputs
         known = {one.name: self._operators(one) for one in outputs if self._spoken[one.name]}
         if not known:
-            raise self._refused(1, "a system without rules", "no rule speaks of an output")
+            raise self._refused(1, "a system without rules", "no rule has a consequent")
         keyed, last = [], next(iter(known.values()))
         for output in outputs:
             last = known.get(output.name, last)
@@ -281,7 +280,7 @@ class SystemMaker:
         return keyed
 
     def _operators(self, output: Output) -> tuple[Any, ...]:
-        """Return all that outputs of one system share: operators by name, and the kind of terms."""
+        """Return what outputs of one system share: operators by name, and the kind of terms."""
         spoken = self._spoken[output.name]
         sets = [not isinstance(output.terms[one.term], NUMBERS) for one in spoken]
         united = output.defuzzifier.reduction in UNIONS
@@ -321,7 +320,7 @@ class SystemMaker:
         if what == "implication" and None in set(names):
             raise self._refused(place, f"the output {output!r}", "its rules have no implication")
         if what == "disjunction" and SUM in known:
-            raise self._refused(place, f"a sum of rules of {output!r}", "rules are united there")
+            raise self._refused(place, f"a sum of rules of {output!r}", "its method unites rules")
         if len(known) > 1:
             raise self._refused(
                 place,
@@ -331,13 +330,13 @@ class SystemMaker:
         return known[0] if known else None
 
     def _check_grouped(self, place: int, output: Output) -> None:
-        """Refuse functions, which have no places to be united at."""
+        """Refuse functions, which cannot be grouped by their values."""
         terms = {one.term: output.terms[one.term] for one in self._spoken[output.name]}
         if not all(isinstance(term, Constant) for term in terms.values()):
             raise self._refused(
                 place,
                 f"the aggregation of the functions of {output.name!r}",
-                "rules that say the same add up; write none",
+                "rules with the same function are added up; write none",
             )
 
     def _made(self, operators: tuple[Any, ...], outputs: Sequence[Output]) -> Type1System:
@@ -354,7 +353,7 @@ class SystemMaker:
         grouped = defuzzifier.reduction == "centroid" and not of_sets
         consequents = self._consequents(said, outputs, of_sets, grouped)
         inputs = self._engine.inputs
-        # Rules as trees are taken, too, which the type of the argument does not say.
+        # The type of the argument does not mention trees, but they are accepted.
         trees: Any = tuple(self._numbered(first.tree) for first, _ in rows)
         weights = np.array([first.rule.weight for first, _ in rows])
         ranges = [one.range for one in inputs if one.range is not None]
@@ -413,7 +412,7 @@ class SystemMaker:
 
 
 def has_part(tree: Antecedent, kind: type) -> bool:
-    """Return whether a tree has a part of a kind in it."""
+    """Return whether a tree has a part of a given type."""
     level = [tree]
     while level:
         if any(isinstance(one, kind) for one in level):
@@ -423,7 +422,7 @@ def has_part(tree: Antecedent, kind: type) -> bool:
 
 
 def _all_terms(outputs: Sequence[Output], grouped: bool) -> list[dict[str, Any]] | None:
-    """Return the terms of outputs, or None where one is a function, which has no other place."""
+    """Return the terms of outputs, or None if one is a function, which is not listed."""
     terms = [dict(one.terms) for one in outputs]
     functions = LinearFunction | FormulaFunction
     if any(isinstance(term, functions) for of in terms for term in of.values()):

@@ -43,12 +43,12 @@ _REDUCTIONS = (
 
 
 def engine_of(system: AnySystem, name: str, where: str) -> Engine:
-    """Return the engine of a system; ``where`` is the format for which it is made.
+    """Return the engine of a system; ``where`` is the format that it is made for.
 
     Raises
     ------
     NotExpressible
-        If the system has parts for which such a format has no word.
+        If the system has parts that such a format cannot express.
     """
     systems = system.systems if isinstance(system, ParallelSystem) else (system,)
     writers = [_Part(_checked(one, where), where) for one in systems]
@@ -70,7 +70,7 @@ def engine_of(system: AnySystem, name: str, where: str) -> Engine:
 
 
 def _checked(system: FuzzySystem, where: str) -> Type1System:
-    """Return the system if it has an engine."""
+    """Return the system if it can be written as an engine."""
     if not isinstance(system, Type1System):
         raise NotExpressible(type(system).__name__, where, "only type-1 systems can; use JSON")
     if system.fuzzifier is not None:
@@ -144,7 +144,7 @@ class _Part:
         return None
 
     def _terms_of(self, j: int) -> tuple[dict[str, Any], list[str | None]]:
-        """Return all terms of an output by name, and what each rule says of it."""
+        """Return all terms of an output by name, and the consequent of each rule."""
         system = self._system
         terms: dict[str, Any] = {}
         if system.output_terms is not None:
@@ -204,7 +204,7 @@ class _Part:
         return column
 
     def _plain(self, term: Any, j: int) -> Any:
-        """Return a term without the cut at the ends of the range, which is cut there anyway."""
+        """Return a term without the cut at the ends of the range, which readers repeat anyway."""
         if isinstance(term, int | float):
             return Constant(float(term), float(term))
         if isinstance(term, Singleton):
@@ -256,7 +256,7 @@ class _Part:
 
 
 def _without_complements(engine: Engine) -> Engine:
-    """Return an engine without the input terms that only say what another one is not."""
+    """Return an engine without the input terms that are only complements of others."""
     inputs = tuple(
         Input(
             one.name,

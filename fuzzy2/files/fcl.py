@@ -1,19 +1,20 @@
 """Systems as files of the Fuzzy Control Language (``.fcl``), IEC 61131-7.
 
-Its function blocks, with the shapes of jFuzzyLogic and fuzzylite beside its points and singletons;
-upper and lower case are the same. Methods integrate exactly, as the standard has it; with
-``dialect="jfuzzylogic"`` they sum up 1000 points as that program does. Formulas (``FUNCTION``) are
-of the inputs, and of outputs before theirs.
+A file consists of function blocks. In addition to the points and singletons of the standard, the
+shapes of jFuzzyLogic and fuzzylite are read. Names are case-insensitive. Methods integrate exactly,
+as in the standard; with ``dialect="jfuzzylogic"`` they sum up 1000 points as that program does.
+Formulas (``FUNCTION``) may use the inputs, and the outputs that precede them.
 
-Where the standard leaves something open: a block that says only what AND means has the dual OR (AND
-``MIN`` and ``ACT : MIN`` if it says nothing); ``COGS`` accumulates equal singletons before it
-averages them if an accumulation is given, and adds them up if none is; a term or a name given twice
-is the last one; an output in a condition stands for the rules that spoke of it before;
-``DEFAULT := NC`` (no change) gives NaN, for a system does not remember; AND binds tighter than OR.
-An output without ``RANGE`` has that of its terms, Gaussians up to 4 standard deviations.
+The standard leaves some points open. A block that only defines AND has the dual OR, and without any
+definition AND is ``MIN`` and ``ACT`` is ``MIN``. ``COGS`` accumulates equal singletons before it
+averages them if an accumulation is given, and adds them up otherwise. If a term or a name is
+defined twice, the last definition is used. An output in a condition stands for the preceding rules
+that conclude it. ``DEFAULT := NC`` (no change) gives NaN, because a system has no memory. AND binds
+tighter than OR. An output without ``RANGE`` has the range of its terms, where Gaussians extend to 4
+standard deviations.
 
-Refused by name are terms whose numbers are variables, ``SINGLETONS``, and ``log`` in a formula,
-which is natural in fuzzylite and decimal in jFuzzyLogic.
+Terms whose numbers are variables, ``SINGLETONS``, and ``log`` in a formula are refused with a
+message. The latter is the natural logarithm in fuzzylite and the decimal one in jFuzzyLogic.
 """
 
 from __future__ import annotations
@@ -38,11 +39,11 @@ def parse_fcl(
     text : str
         The text.
     source : str
-        What error messages call it.
+        Name of the text in error messages.
     block : str, optional
-        Name of the function block; needed where there are several.
+        Name of the function block; required if there are several.
     dialect : {"iec", "jfuzzylogic"}
-        Whether methods integrate, or sum up as jFuzzyLogic does.
+        Whether methods integrate exactly, or sum up points as jFuzzyLogic does.
 
     Returns
     -------
@@ -52,13 +53,13 @@ def parse_fcl(
     Raises
     ------
     MalformedFile
-        If the text is no such file; ``place`` is the line.
+        If the text is not such a file; ``place`` is the line.
     NotExpressible
-        If it describes what a system here cannot be; it names the line.
+        If this package cannot represent the system; the message names the line.
     UnknownName
         If there is no such block.
     InvalidValue
-        If there are several blocks and none is named; it names them.
+        If there are several blocks and ``block`` is not given; the message lists them.
     """
     return FclReader(text, source, block, dialect).system()
 
@@ -73,27 +74,27 @@ def read_fcl(
     path : str or path-like
         The file.
     block : str, optional
-        Name of the function block; needed where there are several.
+        Name of the function block; required if there are several.
     dialect : {"iec", "jfuzzylogic"}
-        Whether methods integrate, or sum up as jFuzzyLogic does.
+        Whether methods integrate exactly, or sum up points as jFuzzyLogic does.
 
     Returns
     -------
     Type1System or ParallelSystem
-        The latter if outputs differ in their operators.
+        The system; a ParallelSystem if outputs have different operators.
 
     Raises
     ------
     MalformedFile
-        If it is no such file; ``place`` is the line.
+        If it is not such a file; ``place`` is the line.
     NotExpressible
-        If it describes what a system here cannot be; it names the line.
+        If this package cannot represent the system; the message names the line.
     UnknownName
         If there is no such block.
     InvalidValue
-        If there are several blocks and none is named; it names them.
+        If there are several blocks and ``block`` is not given; the message lists them.
     OSError
-        If it cannot be read.
+        If the file cannot be read.
     """
     return parse_fcl(read_text(path), str(path), block, dialect)
 
@@ -116,7 +117,7 @@ def format_fcl(system: AnySystem, name: str = "system") -> str:
     Raises
     ------
     NotExpressible
-        If the format has no way to write the system.
+        If the format cannot express the system.
     """
     return FclWriter(engine_of(system, name, ".fcl"), ".fcl").text()
 
@@ -127,15 +128,15 @@ def write_fcl(system: AnySystem, path: str | os.PathLike[str]) -> None:
     Parameters
     ----------
     system : Type1System or ParallelSystem
-        The system. Those that integrate must do so exactly, ``integration="exact"``.
+        The system. If it integrates, it must do so exactly, ``integration="exact"``.
     path : str or path-like
-        The file; one that exists is replaced whole.
+        The file; an existing file is replaced.
 
     Raises
     ------
     NotExpressible
-        If the format has no way to write the system.
+        If the format cannot express the system.
     FileNotWritten
-        If the file cannot be written; what was there before remains.
+        If the file cannot be written; an existing file is kept.
     """
     write_text(format_fcl(system, Path(path).stem), path)

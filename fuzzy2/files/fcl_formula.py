@@ -1,4 +1,4 @@
-"""Formulas of the Fuzzy Control Language (``FUNCTION``): linear functions of the inputs, or not."""
+"""Formulas of the Fuzzy Control Language (``FUNCTION``), linear or not."""
 
 from __future__ import annotations
 
@@ -21,23 +21,23 @@ _NAME = re.compile(r"\b[^\W\d]\w*\b(?P<call>\s*\()?")
 def function_of(
     text: str, inputs: Sequence[str], outputs: Sequence[str], jfuzzylogic: bool
 ) -> LinearFunction | FormulaFunction:
-    """Return the function that a formula is, a linear one if it can be told.
+    """Return the function of a formula, as a linear function if the formula is recognized as one.
 
     Parameters
     ----------
     text : str
-        The formula; upper and lower case are the same in it.
+        The formula, which is case-insensitive.
     inputs, outputs : sequence of str
-        Names that it may ask for.
+        Names that it may use.
     jfuzzylogic : bool
         Whether ``log`` is the decimal logarithm, as in jFuzzyLogic.
 
     Raises
     ------
     NotExpressible
-        If it takes a logarithm of which the language does not say the base.
+        If it contains ``log``, whose base the language does not define.
     InvalidValue
-        If it is no formula, or asks for another name.
+        If the text is not a formula, or uses an unknown name.
     """
     known = {name.lower(): name for name in (*inputs, *outputs)}
 
@@ -66,7 +66,7 @@ def function_of(
 
 
 def _linear(tree: Tree[Token], inputs: list[str]) -> Array | None:
-    """Return the slopes and the constant, by a stack, for formulas may be long; None if none."""
+    """Return slopes and constant, or None; a stack is used because formulas may be long."""
     results: dict[int, Array | None] = {}
     for node in tree.iter_subtrees():  # from the leaves to the root
         parts = [results[id(part)] for part in node.children if isinstance(part, Tree)]
@@ -117,5 +117,5 @@ def formula(function: LinearFunction, inputs: Sequence[str]) -> str:
 
 
 def formula_text(text: str) -> str:
-    """Return a formula in the words of the language, in which the natural logarithm is ``ln``."""
+    """Return a formula in the syntax of the language, in which the natural logarithm is ``ln``."""
     return re.sub(r"\blog(?=\s*\()", "ln", text)

@@ -1,6 +1,6 @@
-"""Names of the Fuzzy Control Language: operators, methods and shapes, and what they are here.
+"""Names of the Fuzzy Control Language for operators, methods and shapes, with their equivalents.
 
-Those of IEC 61131-7, and beside them those of jFuzzyLogic and fuzzylite.
+They include the names of IEC 61131-7, jFuzzyLogic and fuzzylite.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ S_NORMS = {
 ACCUMULATIONS = {
     **S_NORMS,
     "PROBOR": "probabilistic",
-    # What the sum is divided by is one number for all points, which no method depends on.
+    # The sum is divided by one number for all points, which does not affect any method.
     "NSUM": SUM,
     "SUM": SUM,
 }
@@ -61,11 +61,11 @@ DUALS = {
     "lukasiewicz": "lukasiewicz",
     "drastic": "drastic",
     "nilpotent": "nilpotent",
-    # jFuzzyLogic's pair.
+    # jFuzzyLogic's pair of operators.
     "hamacher": "einstein",
     "einstein": "einstein",
 }
-"""What *or* means where a block says only what *and* means."""
+"""T-conorm of *or* if a block only defines *and*."""
 
 METHODS = {
     "COG": "centroid",
@@ -91,7 +91,7 @@ SHAPES = tuple(_COUNTS)
 
 
 def shape_of(kind: str, numbers: list[float], inputs: int | None, jfuzzylogic: bool) -> Any:
-    """Return the term of a shape by jFuzzyLogic's or fuzzylite's name.
+    """Return the term for a shape's name in jFuzzyLogic or fuzzylite.
 
     Parameters
     ----------
@@ -100,14 +100,14 @@ def shape_of(kind: str, numbers: list[float], inputs: int | None, jfuzzylogic: b
     numbers : list of float
         Its parameters.
     inputs : int, or None
-        Of a term of an output, the number of inputs.
+        Number of inputs, for a term of an output.
     jfuzzylogic : bool
-        Whether ``Cosine``, spelled so, is jFuzzyLogic's shape, too, and not fuzzylite's.
+        Whether ``Cosine``, in this spelling, is jFuzzyLogic's shape instead of fuzzylite's.
 
     Raises
     ------
     NotExpressible
-        If there is no such set here.
+        If this package has no such set.
     InvalidValue
         If the parameters are not those of the shape.
     """
@@ -156,7 +156,7 @@ def _dsigm(p: list[float]) -> Any:
 
 
 def points_of(points: list[tuple[float, float]]) -> Any:
-    """Return the term of points (x, grade), linear between them and level beyond."""
+    """Return the term through points (x, grade), linear between them and constant beyond."""
     places, grades = zip(*points, strict=True)
     if any(after < before for before, after in pairwise(places)):
         raise InvalidValue("the points", places, "in ascending order")
@@ -175,10 +175,10 @@ def points_of(points: list[tuple[float, float]]) -> Any:
 
 
 def universe(terms: list[Any]) -> tuple[float, float] | None:
-    """Return the range of an output that has none: from its first to its last term.
+    """Return the range of an output without one, from its first to its last term.
 
-    A Gaussian reaches 4 standard deviations, a sigmoid 9 of its widths, and a bell until it is at
-    0.001, as in jFuzzyLogic.
+    A Gaussian extends to 4 standard deviations, a sigmoid to 9 of its widths, and a bell to the
+    grade 0.001, as in jFuzzyLogic.
     """
     ends: list[float] = []
     for term in terms:
@@ -202,7 +202,7 @@ def universe(terms: list[Any]) -> tuple[float, float] | None:
 
 
 def term_text(term: Any, where: str) -> str:
-    """Return a term as FCL has it: points where its sides are straight, else fuzzylite's name.
+    """Return a term in FCL: points if its sides are straight, otherwise fuzzylite's name.
 
     Raises
     ------
@@ -229,7 +229,7 @@ def term_text(term: Any, where: str) -> str:
 
 
 def _straight(corners: list[float], height: float) -> str:
-    """Return the points of a trapezoid; nothing if it jumps, where points say less."""
+    """Return the points of a trapezoid; none if it jumps, which points cannot express."""
     a, b, c, d = corners
     if (a == b and math.isfinite(a)) or (c == d and math.isfinite(d)):
         return ""

@@ -1,4 +1,4 @@
-"""The text of a ``.fcl`` file, read into an engine."""
+"""Reader of the text of a ``.fcl`` file, which makes an engine."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ NAME: /[^\W\d]\w*/i
 """
 
 DIALECTS = ("iec", "jfuzzylogic")
-"""Integrals as IEC 61131-7 has them, or summed up as jFuzzyLogic does."""
+"""Dialects: exact integrals as in IEC 61131-7, or sums as in jFuzzyLogic."""
 
 _JFUZZYLOGIC_POINTS = 1000
 _COMMENT = re.compile(r"\(\*.*?\*\)|/\*.*?\*/|//[^\r\n]*", re.DOTALL)
@@ -91,7 +91,7 @@ def _parser() -> Lark:
 
 
 class _Operators(NamedTuple):
-    """Operators of a block of rules; the accumulation is None where none is given."""
+    """Operators of a block of rules; the accumulation is None if none is given."""
 
     conjunction: str
     disjunction: str
@@ -100,7 +100,7 @@ class _Operators(NamedTuple):
 
 
 class FclReader(Source):
-    """One text, of which one function block is read into an engine."""
+    """Reader of one text, which makes an engine from one function block."""
 
     def __init__(
         self, text: str, source: str, block: str | None = None, dialect: str = "iec"
@@ -194,7 +194,7 @@ class FclReader(Source):
 
     @staticmethod
     def _by_value(rule: EngineRule, terms: dict[str, dict[str, Any]]) -> EngineRule:
-        """Return a rule that names the first of equal terms: they accumulate as one."""
+        """Return a rule with the first of several equal terms, which accumulate as one."""
         said = tuple(
             (
                 output,
@@ -230,7 +230,7 @@ class FclReader(Source):
         return (low, high) if low < high and math.isfinite(high - low) else None
 
     def _of(self, name: str, kind: str) -> list[Tree[Token]]:
-        """Return what stands in the sections of a variable."""
+        """Return the sections of a variable."""
         sections = [
             one for one in self._parts(kind) if str(one.children[0]).lower() == name.lower()
         ]
@@ -250,7 +250,8 @@ class FclReader(Source):
             if part.data != "term":
                 continue
             word, line = str(part.children[0]), self._line(part)
-            # Of terms of one name the last one counts, in jFuzzyLogic and in fuzzylite 8.
+            # If several terms have the same name, the last one is used, as in jFuzzyLogic and
+            # fuzzylite 8.
             try:
                 terms[word] = self._shape(part.children[1], variables)
             except NotExpressible as error:
@@ -264,7 +265,7 @@ class FclReader(Source):
     def _shape(self, tree: Any, variables: tuple[list[str], list[str]] | None) -> Any:
         if isinstance(tree, Token):
             if variables is None:
-                raise NotExpressible("FUNCTION of an input", "fuzzy2", "it is no set")
+                raise NotExpressible("FUNCTION of an input", "fuzzy2", "it is not a set")
             return function_of(
                 str(tree)[len("FUNCTION") :], *variables, self._dialect == "jfuzzylogic"
             )
@@ -300,7 +301,7 @@ class FclReader(Source):
                     line = token.line or 1
                     text = _RULE_HEAD.sub("", str(token), count=1)
                     pieces = _THEN.split(text, maxsplit=1)
-                    # A comma between conclusions is an "and".
+                    # A comma between conclusions means "and".
                     text = " THEN ".join(
                         [pieces[0], *(p.replace(",", " and ") for p in pieces[1:])]
                     )
@@ -383,7 +384,7 @@ class FclReader(Source):
         return self._weighted(name, (method, declared, default), said, terms, aggregation)
 
     def _integral(self, given: Any, method: str) -> Defuzzifier:
-        """Return a method for sets, exact or by jFuzzyLogic's points."""
+        """Return a method for sets, exact or with jFuzzyLogic's points."""
         if self._dialect == "iec":
             return Defuzzifier(METHODS[method])
         if method == "COA":
@@ -400,7 +401,7 @@ class FclReader(Source):
         aggregation: str | None,
         default: float,
     ) -> Output:
-        """Return an output of singletons under a method for sets, which COG is for both."""
+        """Return an output of singletons for a method for sets; COG serves for both."""
         if method != "COG" or not all(isinstance(one, Constant) for one in said):
             raise self.refused(
                 self._line(self._tree), f"METHOD : {method} of numbers", "take COGS, or COGF"
@@ -415,7 +416,7 @@ class FclReader(Source):
         terms: dict[str, Any],
         aggregation: str | None,
     ) -> Output:
-        """Return an output that is an average of points, or their sum."""
+        """Return an output that is an average or a sum of points."""
         method, declared, default = given
         ends = self._range(name, declared, "defuzzify")
         numbers = [isinstance(one, NUMBERS) for one in said]

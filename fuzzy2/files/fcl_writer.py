@@ -1,4 +1,4 @@
-"""An engine, written as the text of a ``.fcl`` file."""
+"""Writer of an engine as the text of a ``.fcl`` file."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _KEYWORDS = (
 
 
 class FclWriter:
-    """One engine, written section by section."""
+    """Writer of one engine, section by section."""
 
     def __init__(self, engine: Engine, where: str) -> None:
         self._engine, self._where = engine, where

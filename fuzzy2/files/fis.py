@@ -1,31 +1,32 @@
 """Systems as files of MATLAB's Fuzzy Logic Toolbox (``.fis``), type-1 and interval type-2.
 
-Three layouts are known by what is in them:
+Three layouts are recognized by their content:
 
 * type-1 (version 2): ``MF1='poor':'gaussmf',[1.5 0]``;
 * type-2 of the Fuzzy Logic Toolbox (version 3): ``MF1='low':'trimf',[0 1 2],[0.8],[0.1 0.1]``, the
-  upper membership function with the scale of the lower one and its lags on both sides, the grades
-  of the upper one at which the lower one begins;
+  upper membership function, the scale of the lower one, and its lags on both sides, which are the
+  grades of the upper function at which the lower one begins;
 * type-2 of the open IT2-FLS toolbox by Taskin and Kumbasar (``.t2fis``):
-  ``MF1U='low':'trimf',[0 1 2 1]`` and ``MF1L=...``, any two membership functions, with a height
-  after their parameters.
+  ``MF1U='low':'trimf',[0 1 2 1]`` and ``MF1L=...``, which are any two membership functions, each
+  with its height after its parameters.
 
-Rules have weights, *or*, negations, and may be silent about outputs; and, or, implication and
-aggregation are independent. A negated output has its complement as a term beside it, called *not*
-with its name, and is written as such a negation. The lower membership function of version 3 is
-``scale * max(0, (upper - lag) / (1 - lag))``, which is how this package reads MATLAB's
-documentation for every shape.
+Rules have weights, *or* and negations, and need not have a consequent for every output. The
+operators of and, or, implication and aggregation are independent. A negated output term is read as
+an additional term, its complement, named *not* and the term's name; it is written as a negation
+again. The lower membership function of version 3 is ``scale * max(0, (upper - lag) / (1 - lag))``,
+which is this package's interpretation of MATLAB's documentation for every shape.
 
-The dialects differ in what they mean. MATLAB's toolbox adds up 101 points for the centroid, and so
-does a system that is read. Octave's takes trapezoids between them; it unites Sugeno rules that say
-the same number under the aggregation before it averages; its smallest and largest of maxima go by
-value, MATLAB's by distance from 0; it has more t-norms, and hedges. fuzzylite's integrals take the
-middles of 100 pieces in version 6, of 200 in version 5 and of 1000 in version 7, and a file those
-of the version that wrote it; it has more terms, formulas among them, outputs of Tsukamoto and
-hybrid systems, whose outputs differ in their operators (:class:`fuzzy2.ParallelSystem`); numbers
-add up there, as in its version 6, which wrote most files. A file that says that it is of Octave's
-toolkit or of fuzzylite, or has what only they know, is read in their meaning. Where no rule fires a
-system answers NaN, as Octave does; MATLAB answers with the middle of the range.
+The same file has different meanings in the dialects. MATLAB's toolbox adds up 101 points for the
+centroid, and so does a system that is read. Octave's toolkit takes trapezoids between these points,
+and it unites Sugeno rules with the same number by the aggregation before it averages. Its smallest
+and largest of maxima are chosen by value, MATLAB's by distance from 0. It has more t-norms, and
+hedges. fuzzylite's integrals take the middles of 200 pieces in version 5, of 100 in version 6 and
+of 1000 in version 7; a file is read with those of the version that wrote it. fuzzylite has more
+terms, including formulas, outputs of Tsukamoto systems, and hybrid systems, whose outputs have
+different operators (:class:`fuzzy2.ParallelSystem`). Rules with equal numbers are added up, as in
+version 6, which wrote most files. A file that names Octave's toolkit or fuzzylite, or uses features
+that only they have, is read in that dialect. Where no rule fires, a system returns NaN, as Octave
+does; MATLAB returns the middle of the range.
 """
 
 from __future__ import annotations
@@ -58,10 +59,10 @@ def parse_fis(text: str, source: str = "text", dialect: str | None = None) -> An
     text : str
         The text.
     source : str
-        What error messages call it.
+        Name of the text in error messages.
     dialect : {"matlab", "octave", "fuzzylite"}, optional
-        Whose meaning it has. By default fuzzylite's or Octave's if the file says that it is of
-        theirs, or has what only they know; else MATLAB's.
+        Dialect of the file. By default it is fuzzylite's or Octave's if the file names the program
+        or uses features that only the program has, and MATLAB's otherwise.
 
     Returns
     -------
@@ -71,9 +72,9 @@ def parse_fis(text: str, source: str = "text", dialect: str | None = None) -> An
     Raises
     ------
     MalformedFile
-        If the text is no such file; ``place`` is the line.
+        If the text is not such a file; ``place`` is the line.
     NotExpressible
-        If it describes what a system here cannot be; it names the line.
+        If this package cannot represent the system; the message names the line.
     """
     own = "fuzzylite" if is_of_fuzzylite(text) else "octave" if is_of_octave(text) else "matlab"
     chosen = own if dialect is None else known_name("dialect", dialect, DIALECTS)
@@ -90,23 +91,23 @@ def read_fis(path: str | os.PathLike[str], dialect: str | None = None) -> AnySys
     path : str or path-like
         The file.
     dialect : {"matlab", "octave", "fuzzylite"}, optional
-        Whose meaning it has. By default fuzzylite's or Octave's if the file says that it is of
-        theirs, or has what only they know; else MATLAB's.
+        Dialect of the file. By default it is fuzzylite's or Octave's if the file names the program
+        or uses features that only the program has, and MATLAB's otherwise.
 
     Returns
     -------
     Type1System, IntervalType2System or ParallelSystem
         Mamdani systems with the reducer ``"centroid"`` (``"center_of_sums"`` if the file sums), on
-        101 points but for fuzzylite's; Sugeno systems with ``"center_of_sets"``.
+        101 points except for fuzzylite's; Sugeno systems with ``"center_of_sets"``.
 
     Raises
     ------
     MalformedFile
-        If it is no such file; ``place`` is the line.
+        If it is not such a file; ``place`` is the line.
     NotExpressible
-        If it describes what a system here cannot be; it names the line.
+        If this package cannot represent the system; the message names the line.
     OSError
-        If it cannot be read.
+        If the file cannot be read.
     """
     return parse_fis(read_text(path), str(path), dialect)
 
@@ -122,13 +123,13 @@ def format_fis(
     Parameters
     ----------
     system : Type1System, IntervalType2System or ParallelSystem
-        The system; the last one for fuzzylite.
+        The system; a ParallelSystem can only be written for fuzzylite.
     name : str
         Its name in the file.
     open_toolbox : bool
         Whether type-2 sets are written for the IT2-FLS toolbox (``.t2fis``).
     dialect : {"matlab", "octave", "fuzzylite"}
-        For which program it is otherwise; see the module.
+        Program for which other files are written; see the module.
 
     Returns
     -------
@@ -138,7 +139,7 @@ def format_fis(
     Raises
     ------
     NotExpressible
-        If the format has no way to write the system.
+        If the format cannot express the system.
     """
     octave = known_name("dialect", dialect, DIALECTS) == "octave"
     whatever: Any = system
@@ -151,27 +152,27 @@ def format_fis(
 def write_fis(system: AnySystem, path: str | os.PathLike[str], dialect: str = "matlab") -> None:
     """Write a system to a MATLAB ``.fis`` file, or to a ``.t2fis`` file.
 
-    The latter is the IT2-FLS toolbox's, and taken if the name ends so.
+    ``.t2fis`` is the format of the IT2-FLS toolbox, which the suffix of the name selects.
 
-    MATLAB's own type-2 files hold only lower membership functions that are the upper one, scaled
-    and, if it is a triangle or a trapezoid, with feet further in. The other ones hold any pair, but
-    only Sugeno systems.
+    In MATLAB's own type-2 files, the lower membership function must be the scaled upper one, whose
+    feet may be further inside if it is a triangle or a trapezoid. ``.t2fis`` files can hold any
+    pair, but only Sugeno systems.
 
     Parameters
     ----------
     system : Type1System, IntervalType2System or ParallelSystem
-        The system; the last one for fuzzylite.
+        The system; a ParallelSystem can only be written for fuzzylite.
     path : str or path-like
-        The file; one that exists is replaced whole.
+        The file; an existing file is replaced.
     dialect : {"matlab", "octave", "fuzzylite"}
-        For which program a ``.fis`` file is.
+        Program for which a ``.fis`` file is written.
 
     Raises
     ------
     NotExpressible
-        If the format has no way to write the system.
+        If the format cannot express the system.
     FileNotWritten
-        If the file cannot be written; what was there before remains.
+        If the file cannot be written; an existing file is kept.
     """
     target = Path(path)
     open_toolbox = target.suffix.lower() == OPEN_TOOLBOX_SUFFIX

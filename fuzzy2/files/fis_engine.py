@@ -1,8 +1,9 @@
-"""The text of a ``.fis`` file in fuzzylite's meaning, read into an engine.
+"""Reader of ``.fis`` files in fuzzylite's dialect, which makes an engine.
 
-fuzzylite has one word for what its outputs may differ in, so that of its *hybrid* systems a file
-keeps the defuzzifier of the sets: numbers are averaged there, without aggregation. A rule that asks
-for nothing, which is what is left of one about an output, never fires there, and is left out.
+The file has a single entry for the defuzzifier, although fuzzylite's outputs may have different
+ones. For *hybrid* systems it is that of the sets; numbers are averaged without aggregation. A rule
+without an antecedent, which remains of a rule about an output, never fires in fuzzylite and is left
+out.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ from fuzzy2.support.formula import Formula
 from fuzzy2.systems.antecedents import And, Antecedent, Hedged, Is, Not, Or
 
 FUZZYLITE = ".fis of fuzzylite"
-"""What errors call fuzzylite's meaning of the format."""
+"""Name of fuzzylite's dialect in error messages."""
 
 KINDS = {
     "binarymf": ("Binary", (0, 1)),
@@ -56,10 +57,10 @@ KINDS = {
     "trimf": ("Triangle", (0, 1, 2)),
     "zmf": ("ZShape", (0, 1)),
 }
-"""fuzzylite's terms, and where their parameters stand in the file."""
+"""fuzzylite's terms, and the places of their parameters in the file."""
 
 RESOLUTIONS = {5: 200, 6: 100, 7: 1000}
-"""Pieces over which a version of fuzzylite integrates, which its files do not say."""
+"""Number of pieces over which each version of fuzzylite integrates; its files do not contain it."""
 
 _TYPES = ("mamdani", "larsen", "sugeno", "tsukamoto", "hybrid")
 WEIGHTED_WORDS = {"wtaver": "center_of_sets", "wtsum": "weighted_sum"}
@@ -71,7 +72,7 @@ INTEGRAL_WORDS = {
     "som": INTEGRALS["SmallestOfMaximum"],
 }
 HEDGES = {1: ("seldom",), 5: ("somewhat",), 20: ("very",), 30: ("extremely",), 40: ("very",) * 2}
-"""Hedges by hundredths of a number of a term; 99 is any."""
+"""Hedges by the hundredths of a term's number; 99 is *any*."""
 
 _TERM = re.compile(rf"{QUOTED}\s*:\s*'(\w+)'?\s*,\s*\[([^\]']*)\]\s*")
 _RULE = re.compile(rf"([^,():]*),([^,():]*)\(\s*({NUMBER})\s*\)\s*:\s*([0-9]+)\s*")
@@ -90,10 +91,11 @@ _OF_VERSION_5 = re.compile(r"^\s*(?:Enabled|Lock\w+)\s*=", re.MULTILINE)
 
 
 def version_of(text: str) -> int:
-    """Return the version of fuzzylite that integrates as a file's own did, 5, 6 or 7.
+    """Return the version of fuzzylite, 5, 6 or 7, whose integration the file uses.
 
-    Version 6 says itself, in a comment and behind ``Version=``; 5 does not, but has keys of its
-    own. What says nothing has the meaning of 6, the last one released that reads such files.
+    Version 6 names itself in a comment and after ``Version=``. Version 5 does not, but has keys of
+    its own. All other files are read as those of version 6, the last released version that reads
+    such files.
     """
     found = next((one[1] for known in _VERSIONS if (one := known.search(text))), None)
     if found is None:
@@ -102,12 +104,12 @@ def version_of(text: str) -> int:
 
 
 def is_of_fuzzylite(text: str) -> bool:
-    """Return whether a file says that fuzzylite wrote it, or has what only fuzzylite knows."""
+    """Return whether a file names fuzzylite, or uses features that only fuzzylite has."""
     return _WORDS.search(text) is not None
 
 
 class FisEngineReader(FisLines):
-    """One text, read into sections and then into an engine."""
+    """Reader of one text, which makes sections and then an engine."""
 
     def __init__(self, text: str, source: str) -> None:
         super().__init__(text, source, "fuzzylite")
@@ -176,7 +178,7 @@ class FisEngineReader(FisLines):
 
     def _terms(self, header: str, inputs: int | None, weighted: bool) -> dict[str, Any]:
         section, terms = self._section(header), dict[str, Any]()
-        # By their order: fuzzylite asks neither for their numbers nor for their count.
+        # By their order, because fuzzylite checks neither their numbers nor their count.
         for line in (line for key, line in section.entries.items() if key.startswith("MF")):
             found = _TERM.fullmatch(line.value)
             if found is None or not found[1]:
@@ -272,12 +274,12 @@ class FisEngineReader(FisLines):
         defuzzifier: Defuzzifier,
         aggregation: str | None,
     ) -> Output:
-        """Return an output; what holds it to values is refused where it would matter."""
+        """Return an output; limits of its values are refused if they would have an effect."""
         ends, default = self._range(section), self._value(section, "Default", math.nan)
         if self._value(section, "LockPrevious", 0.0) and not math.isnan(default):
             raise self.refused(
                 section.entries["LockPrevious"].number,
-                "LockPrevious beside a default",
+                "LockPrevious with a default",
                 "a system does not remember its last output; take Default=nan",
             )
         held = self._value(section, "LockRange", 0.0) and defuzzifier.resolution is None
@@ -348,20 +350,20 @@ class FisEngineReader(FisLines):
         joint = tuple(parts)
         tree = parts[0] if len(parts) == 1 else Or(joint) if found[4] == "2" else And(joint)
         if weight != 1.0 and any(words for _, words, _ in said):
-            raise self.refused(line.number, "a hedge of an output of a rule with a weight", "use 1")
+            raise self.refused(line.number, "a hedge of an output in a rule with a weight", "use 1")
         conclusions = [(name, words, str(term)) for name, words, term in said]
         return concluded(tree, conclusions, FLL_HEDGES, line.number, weight, operators)
 
     def _clauses(
         self, line: int, text: str, variables: dict[str, tuple[str, ...]]
     ) -> list[tuple[str, list[str], str | None]]:
-        """Return what is said of variables: hedges and *not* from left to right, and the term."""
+        """Return the clauses: hedges and *not* from left to right, and the term."""
         codes = self.vector(line, text)
         if len(codes) != len(variables):
             raise self.malformed(line, f"expected {len(variables)} numbers, got {text.strip()!r}")
         found: list[tuple[str, list[str], str | None]] = []
         for code, (name, terms) in zip(codes, variables.items(), strict=True):
-            # At most 1e9, which is the number of no term either.
+            # Values above 1e9 are cut off; no term has that number either.
             total = round(100.0 * min(abs(code), 1e9))
             number, hundredths = divmod(total, 100)
             is_code = math.isclose(abs(code), 0.01 * total, rel_tol=1e-12)

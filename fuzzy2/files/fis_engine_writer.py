@@ -1,4 +1,4 @@
-"""An engine, written as the text of a ``.fis`` file in fuzzylite's meaning."""
+"""Writer of an engine as a ``.fis`` file in fuzzylite's dialect."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from fuzzy2.systems.hedges import Hedge
 
 
 class FisEngineWriter:
-    """One engine, written section by section."""
+    """Writer of one engine, section by section."""
 
     def __init__(self, engine: Engine, where: str) -> None:
         self._engine, self._where = engine, where
@@ -61,7 +61,7 @@ class FisEngineWriter:
         return [f"Type='{kind}'", f"Version={self._version()}.0"]
 
     def _version(self) -> int:
-        """Return the version of fuzzylite that takes the points of the outputs that integrate."""
+        """Return the version of fuzzylite whose number of points the integrated outputs use."""
         pieces = {one.defuzzifier.resolution for one in self._engine.outputs} - {None}
         if len(pieces) > 1:
             counts = " and ".join(map(str, sorted(one for one in pieces if one is not None)))
@@ -74,9 +74,9 @@ class FisEngineWriter:
         return "tsukamoto" if output.defuzzifier.reduction == "tsukamoto" else "mamdani"
 
     def _methods(self) -> list[str]:
-        """Return the operators, which all rules and outputs must have in common."""
+        """Return the operators, which must be the same for all rules and outputs."""
         rules, outputs = self._engine.rules, self._engine.outputs
-        # What no rule asks for may be anything.
+        # An operator that no rule uses may have any value.
         joint = {one.conjunction for one in rules if has_part(one.asked, And)}
         chosen = {one.disjunction for one in rules if has_part(one.asked, Or)}
         both = self._one("t-norm", joint, "min")
@@ -166,7 +166,7 @@ class FisEngineWriter:
         if not clauses and isinstance(tree, Is):
             codes[[one.name for one in inputs].index(str(tree.variable))] = "0.99"
         elif not clauses:
-            self._refuse("a rule that asks for nothing", "a rule has at least one clause")
+            self._refuse("a rule without an antecedent", "a rule has at least one clause")
         for clause in clauses:
             if codes[clause.input] != "0":
                 self._refuse("a rule that asks about an input twice", "it has one number for each")
@@ -181,7 +181,8 @@ class FisEngineWriter:
                 consequents.append("0")
                 continue
             number = list(output.terms).index(said[output.name])
-            # What hedges a whole condition hedges the first conclusion, and with it all of them.
+            # A hedge of the whole condition is written at the first conclusion, from which it
+            # carries over to the others.
             consequents.append(self._code(number, words))
             words = []
         joint = 2 if either else 1
@@ -199,7 +200,7 @@ class FisEngineWriter:
         return change if isinstance(change, str) else word_of(change, FLL_HEDGES, self._where)
 
     def _code(self, number: int, words: Sequence[str]) -> str:
-        """Return the number of a term from 0 with its hedges."""
+        """Return the number of a term, counted from 0, with its hedges."""
         negated = words[:1] == ["not"]
         hedges = tuple(words[1:] if negated else words)
         hundredths = next((key for key, known in HEDGES.items() if known == hedges), None)
@@ -210,7 +211,7 @@ class FisEngineWriter:
 
 
 def _shared(words: list[str]) -> tuple[list[str], list[str]]:
-    """Return words before a term as those of a conclusion, if there must be some, and the rest."""
+    """Return the leading words that must be written at the conclusion, and the other words."""
     for cut in range(len(words) + 1):
         if all(_has_code(part) for part in (words[:cut], words[cut:])):
             return words[:cut], words[cut:]

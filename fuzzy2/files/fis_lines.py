@@ -1,4 +1,4 @@
-"""The lines of a ``.fis`` file: sections with entries, and what is written in an entry."""
+"""Lines of a ``.fis`` file: sections with entries, and the values of entries."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _KEYS_OF_SYSTEM = (
     "CrispInterval",
 )
 
-# The last ones are of early versions of fuzzylite, and say what is so anyway.
+# The last keys come from early versions of fuzzylite and have no effect.
 _KEYS_OF_VARIABLE = (
     "Name",
     "Range",
@@ -49,14 +49,14 @@ VECTOR = r"\[([^\]']*)\]"
 
 
 class Line(NamedTuple):
-    """What stands behind the equals sign, or a rule, and in which line."""
+    """Value after the equals sign, or a rule, with its line number."""
 
     number: int
     value: str
 
 
 class Section(NamedTuple):
-    """What stands below a header such as ``[Input1]``."""
+    """Lines after a header such as ``[Input1]``."""
 
     name: str
     number: int
@@ -65,7 +65,7 @@ class Section(NamedTuple):
 
 
 class FisLines(Source):
-    """One text, read into sections; ``dialect`` is whose meaning it has."""
+    """One text, divided into sections; ``dialect`` determines its meaning."""
 
     def __init__(self, text: str, source: str, dialect: str) -> None:
         super().__init__(source)
@@ -86,7 +86,7 @@ class FisLines(Source):
             ):
                 name = "".join(header[1].split())
                 if name in sections:
-                    raise self.malformed(number, f"the section [{name}] is there twice")
+                    raise self.malformed(number, f"the section [{name}] occurs twice")
                 current = sections[name] = Section(name, number, {}, [])
             elif current is None:
                 raise self.malformed(number, f"expected [System], got {stripped[:40]!r}")
@@ -110,22 +110,23 @@ class FisLines(Source):
         ):
             raise self.malformed(number, unknown_name("key", key, known))
         if key in section.entries and re.fullmatch(r"MF[0-9]+", key):
-            # MATLAB goes by their order; one of its own demos has a number twice.
+            # MATLAB uses the order of the membership functions; one of its own demos has a number
+            # twice.
             key = f"MF{sum(one.startswith('MF') for one in section.entries) + 1}"
         if key in section.entries:
             raise self.malformed(
-                number, f"{key} is there twice, first in line {section.entries[key].number}"
+                number, f"{key} occurs twice, first in line {section.entries[key].number}"
             )
         section.entries[key] = Line(number, entry[2])
 
     def entry(self, section: Section, key: str) -> Line:
-        """Return an entry that must be there."""
+        """Return a required entry."""
         if key not in section.entries:
             raise self.malformed(section.number, f"the section [{section.name}] has no {key}")
         return section.entries[key]
 
     def string(self, section: Section, key: str, default: str | None = None) -> str:
-        """Return a quoted string; the default, if there is one, where there is none."""
+        """Return a quoted string; if it is missing, return the default, if there is one."""
         if default is not None and key not in section.entries:
             return default
         line = self.entry(section, key)
@@ -144,14 +145,14 @@ class FisLines(Source):
         return int(line.value)
 
     def vector(self, number: int, text: str) -> list[float]:
-        """Return numbers with blanks or commas between them."""
+        """Return numbers separated by blanks or commas."""
         words = re.split(r"[\s,;]+", text.strip(" \t,;")) if text.strip(" \t,;") else []
         return [self._number(number, word) for word in words]
 
     def _number(self, number: int, word: str) -> float:
         if re.fullmatch(NUMBER, word):
             return float(word)
-        # MATLAB evaluates what stands there; of all that could, parts of pi are what does.
+        # MATLAB evaluates arbitrary expressions here; in practice only fractions of pi occur.
         part = re.fullmatch(rf"([+-]?)(?:({NUMBER})\*)?pi(?:/({NUMBER}))?", word)
         if part is None or float(part[3] or 1.0) == 0.0:
             raise self.malformed(number, f"expected a number, got {word[:40]!r}")
@@ -159,7 +160,7 @@ class FisLines(Source):
         return -value if part[1] == "-" else value
 
     def choice(self, section: Section, key: str, known: dict[str, str], default: str) -> str:
-        """Return what a word stands for, which may be missing."""
+        """Return the meaning of a word, which may be missing."""
         name = self.string(section, key, default) or default
         if name not in known:
             line = section.entries[key].number
@@ -168,7 +169,7 @@ class FisLines(Source):
 
 
 def unlike(name: str, names: Container[str]) -> str:
-    """Return a name, with a number where it is taken: files may give one to several terms."""
+    """Return a name, with a number if it is taken, because terms may share a name."""
     found, count = name, 1
     while found in names:
         count += 1
@@ -177,5 +178,5 @@ def unlike(name: str, names: Container[str]) -> str:
 
 
 def quoted(name: str) -> str:
-    """Return a name in quotes, those in it twice."""
+    """Return a name in quotes; quotes within it are doubled."""
     return "'" + name.replace("'", "''") + "'"

@@ -1,4 +1,4 @@
-"""What the names of operators and methods in ``.fis`` files mean."""
+"""Meaning of the names of operators and methods in ``.fis`` files."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from fuzzy2.errors import NotExpressible
 from fuzzy2.files.description import SUM
 
 DIALECTS = ("matlab", "octave", "fuzzylite")
-"""Programs whose ``.fis`` files differ in what they mean."""
+"""Programs that interpret ``.fis`` files differently."""
 
 SAMPLE_POINTS = 101
-"""Points of an output's range that MATLAB takes for the centroid, unless it is told otherwise."""
+"""Number of points of an output's range that MATLAB uses for the centroid by default."""
 
 OPEN_TOOLBOX_SUFFIX = ".t2fis"
 
@@ -26,7 +26,7 @@ T_NORMS = {
     "hamacher_product": "hamacher",
     "nilpotent_minimum": "nilpotent",
 }
-"""T-norms; MATLAB's are the first two, and all but the last one are Octave's."""
+"""T-norms; the first two are MATLAB's, and all except the last are Octave's."""
 
 T_CONORMS = {
     "max": "max",
@@ -38,7 +38,7 @@ T_CONORMS = {
     "hamacher_sum": "hamacher",
     "nilpotent_maximum": "nilpotent",
 }
-"""T-conorms; MATLAB's are the first two."""
+"""T-conorms; the first two are MATLAB's."""
 
 AGGREGATIONS = {**T_CONORMS, "sum": SUM}
 
@@ -82,9 +82,9 @@ _OCTAVE = re.compile(
 
 
 def is_of_octave(text: str) -> bool:
-    """Return whether a file says that it is of Octave's toolkit, or has what MATLAB's has not.
+    """Return whether a file names Octave's toolkit, or uses features that MATLAB does not have.
 
-    fuzzylite has the names of its norms, too; whether a file is of fuzzylite is asked first.
+    fuzzylite uses the same names of norms, so check for fuzzylite first.
     """
     return _OCTAVE.search(text) is not None
 
@@ -97,7 +97,7 @@ OPEN_TOOLBOX_REDUCERS = {
     "EKM": "ekm",
     "IASC": "iasc",
     "EIASC": "eiasc",
-    # Exact as the others are, by another search for the same switch points.
+    # Exact like the others, with a different search for the same switch points.
     "EODS": "eiasc",
     "WM": "wu_mendel",
     "NT": "nie_tan",
@@ -112,7 +112,7 @@ def type_reduction(key: str, name: str) -> dict[str, Any]:
     Raises
     ------
     NotExpressible
-        If there is none of the name.
+        If there is no method of this name.
     """
     known = REDUCERS if key == "TypeReductionMethod" else OPEN_TOOLBOX_REDUCERS
     if name in known:

@@ -1,4 +1,4 @@
-"""The text of a ``.fis`` file, read into a description."""
+"""Reader of the text of a ``.fis`` file, which makes a description."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ _TERM = re.compile(rf"{QUOTED}\s*:\s*{QUOTED}\s*,\s*{VECTOR}(?:\s*,\s*{VECTOR}\s
 
 
 class FisReader(FisLines):
-    """One text, read into sections and then into a description."""
+    """Reader of one text, which makes sections and then a description."""
 
     def system(self) -> FuzzySystem:
         """Return the system that the text describes."""
@@ -116,7 +116,7 @@ class FisReader(FisLines):
                     )
 
     def _operators(self, section: Section, kind: str) -> dict[str, Any]:
-        """Return the operators of a system, as the dialect understands them."""
+        """Return the operators of a system in the meaning of the dialect."""
         octave = self.dialect == "octave"
         found: dict[str, Any] = {
             "t_norm": self.choice(section, "AndMethod", T_NORMS, "min"),
@@ -156,7 +156,7 @@ class FisReader(FisLines):
     ) -> Variable:
         """Return a variable.
 
-        Of an output it matters whether its terms are sets, and which inputs there are.
+        For an output, the function needs the kind of its terms and the inputs.
         """
         if header not in self.sections:
             raise self.malformed(system.number, f"there is no section [{header}]")
@@ -167,7 +167,7 @@ class FisReader(FisLines):
         count = self.count(section, "NumMFs")
         of_sets = output is not None and output[0]
         if not of_sets and len(ends) == 2 and ends[0] == ends[1]:
-            # It says nothing, neither of inputs nor of numbers.
+            # The ends only matter to output sets, so an empty range is widened elsewhere.
             ends = [ends[0] - 1.0, ends[1] + 1.0]
         if len(ends) != 2 or not ends[0] < ends[1] or math.isinf(ends[1] - ends[0]):
             raise self.malformed(line.number, f"expected Range=[low high], got {line.value[:40]!r}")
@@ -205,7 +205,7 @@ class FisReader(FisLines):
         lower_set = self._guarded(
             below.number, other_kind, lambda: open_toolbox_shape(other_kind, other_parameters)
         )
-        # The toolbox's own names are mf1U and mf1L for the term mf1.
+        # The toolbox's own files use the names mf1U and mf1L for the term mf1.
         common = name[:-1] if name[-1:] == "U" and other == f"{name[:-1]}L" and name[:-1] else name
         if lower_set == upper:
             return common, upper
@@ -237,7 +237,7 @@ class FisReader(FisLines):
         return name, kind, self.vector(line.number, found[3]), lower
 
     def _guarded(self, line: int, kind: str, make: Callable[[], Any]) -> Any:
-        """Make a set; what its class says against it is said of the line."""
+        """Make a set; an error of its class is reported with the line."""
         try:
             return make()
         except NotExpressible as error:
@@ -261,7 +261,7 @@ class FisReader(FisLines):
             return Constant(parameters[0], parameters[-1])
         if kind == "linear":
             two_ends = self._method(self.sections["System"]) is not None
-            # Files of version 1 have zeros at the end of what is short.
+            # Files of version 1 pad short entries with zeros.
             if len(parameters) > inputs + 1 and not any(parameters[inputs + 1 :]) and not two_ends:
                 parameters = parameters[: inputs + 1]
             if len(parameters) == 2 * (inputs + 1) and two_ends:
@@ -276,13 +276,13 @@ class FisReader(FisLines):
         raise self.refused(line, f"the output {kind!r}", "known are constant and linear")
 
     def _between(self, line: int, ends: Array, variables: tuple[Variable, ...]) -> LinearFunction:
-        """Return a function whose values are intervals between two others."""
+        """Return a function whose values are the intervals between two other functions."""
         middle, half = ends.mean(axis=0), 0.5 * (ends[1] - ends[0])
         slopes, constant = tuple(middle[:-1].tolist()), float(middle[-1])
         if self._reduces_by_nie_tan:
-            # It averages the middles, whether the ends cross or not.
+            # This method averages the middles, so the ends may cross.
             return LinearFunction(constant, slopes)
-        # Right of 0 the greater slope is that of the upper end, left of 0 the smaller one.
+        # Right of 0 the greater slope belongs to the upper end, left of 0 the smaller one.
         signs = [
             1.0 if low >= 0.0 else -1.0 if high <= 0.0 else math.nan
             for low, high in (variable.range for variable in variables)
@@ -304,14 +304,15 @@ class FisReader(FisLines):
 def twice(
     inputs: tuple[Variable, ...], rules: tuple[DescribedRule, ...]
 ) -> tuple[tuple[Variable, ...], tuple[DescribedRule, ...]]:
-    r"""Return inputs with both membership functions as terms, and each rule once for either.
+    r"""Return inputs with both membership functions as separate terms, and each rule twice.
 
-    Nie and Tan's average is that of a type-1 system whose rules are asked twice,
+    The Nie-Tan average is that of a type-1 system in which every rule occurs twice, once for each
+    membership function,
 
     .. math:: y = \frac{\sum_r (\underline f_r + \overline f_r) c_r}
                        {\sum_r (\underline f_r + \overline f_r)},
 
-    and takes membership functions that cross as they are.
+    so membership functions that cross can be used.
     """
     doubled = []
     for variable in inputs:

@@ -1,8 +1,8 @@
-"""The rules of a ``.fis`` file, read and written.
+"""Reader and writer of the rules of a ``.fis`` file.
 
-A rule is ``<terms of inputs>, <terms of outputs> (<weight>) : <1 for and, 2 for or>``: numbers from
-1, 0 for none, negative for *not*. Octave's toolbox and fuzzylite write hedges as a fraction:
-``2.2`` is *very* of term 2, a tenth of the power.
+A rule is ``<terms of inputs>, <terms of outputs> (<weight>) : <1 for and, 2 for or>``. Terms are
+numbers from 1; 0 means none, and a negative number means *not*. Octave's toolkit and fuzzylite
+write hedges as a fraction, which is a tenth of the power: ``2.2`` is *very* for term 2.
 """
 
 from __future__ import annotations
@@ -28,17 +28,17 @@ _RULE = re.compile(rf"([^,():]*),([^,():]*)\(\s*({NUMBER})\s*\)\s*:\s*([0-9]+)\s
 _TERM_NUMBER = re.compile(r"(-?)([0-9]{1,9})(?:\.([0-9]{1,2})0*)?")
 
 _FUZZYLITE = {0: None, 5: 0.5, 20: 2.0, 30: 3.0, 40: 4.0}
-"""Powers of hedges by hundredths, as fuzzylite writes them."""
+"""Powers of hedges by their hundredths in fuzzylite."""
 
 
 class FisRules:
-    """The rules of a file, by the numbers of its variables' terms."""
+    """The rules of a file, with the numbers of its variables' terms."""
 
     def __init__(
         self, lines: FisLines, inputs: tuple[Variable, ...], outputs: tuple[Variable, ...]
     ) -> None:
         self._lines, self._inputs, self._outputs = lines, inputs, outputs
-        # A negation adds a term to its output, which the numbers of the file do not count.
+        # A negation adds a term to its output, which the numbers in the file do not count.
         self._counts = [len(variable.terms) for variable in outputs]
 
     def rules(self, system: Section) -> tuple[DescribedRule, ...]:
@@ -59,7 +59,7 @@ class FisRules:
         )
 
     def _rule(self, line: int, text: str, sugeno: bool) -> list[DescribedRule]:
-        """Return a rule, and one for each output whose term has a hedge, which changes its firing.
+        """Return a rule, split up for outputs with hedged terms, which change the firing.
 
         Octave raises the firing to the inverse of the power.
         """
@@ -78,12 +78,12 @@ class FisRules:
         if not 0.0 <= weight <= 1.0:
             raise self._lines.malformed(line, f"expected a weight from 0 to 1, got {found[3]}")
         if not asked:
-            raise self._lines.malformed(line, "the rule asks for nothing")
+            raise self._lines.malformed(line, "the rule has no antecedent")
         if all(number == SILENT for number in said):
-            raise self._lines.malformed(line, "the rule says nothing")
+            raise self._lines.malformed(line, "the rule has no consequent")
         tree = asked[0] if len(asked) == 1 else Or(asked) if found[4] == "2" else And(asked)
         if hedged and weight != 1.0:
-            raise self._lines.refused(line, "a hedge of an output of a rule with a weight", "use 1")
+            raise self._lines.refused(line, "a hedge of an output in a rule with a weight", "use 1")
         plain = tuple(SILENT if j in hedged else number for j, number in enumerate(said))
         rules = [DescribedRule(tree, plain, weight)] if max(plain) > SILENT else []
         for j, power in hedged.items():
@@ -94,7 +94,7 @@ class FisRules:
     def _number(
         self, line: int, word: str, variable: Variable, count: int
     ) -> tuple[bool, int, int]:
-        """Return whether a term is negated, its number from 1 or 0 for none, and its hedge."""
+        """Return whether a term is negated, its number (0 for none), and its hedge."""
         found = _TERM_NUMBER.fullmatch(word)
         if found is None or int(found[2]) > count:
             raise self._lines.malformed(
@@ -130,7 +130,7 @@ class FisRules:
         if self._lines.dialect == "octave":
             return hundredths / 10.0
         if hundredths == 1:
-            raise self._lines.refused(line, f"the hedge of {word}, seldom", "it is no power")
+            raise self._lines.refused(line, f"the hedge of {word}, seldom", "it is not a power")
         if hundredths != 99 and hundredths not in _FUZZYLITE:
             count = len(variable.terms)
             raise self._lines.malformed(
@@ -141,7 +141,7 @@ class FisRules:
     def _said(
         self, line: int, words: list[str], sugeno: bool
     ) -> tuple[tuple[int, ...], dict[int, float]]:
-        """Return the numbers of the outputs' terms, and the powers of the firing of some."""
+        """Return the numbers of the outputs' terms, and powers of the firing for hedged ones."""
         self._check_length(line, words, len(self._outputs), "output")
         numbers, hedged = [], {}
         for j, (word, variable, count) in enumerate(
@@ -179,21 +179,22 @@ def rule_line(
     outputs: Sequence[list[int]],
     where: str,
 ) -> str:
-    """Return a rule as a line.
+    """Return a rule as a line of text.
 
     Parameters
     ----------
     rule : DescribedRule
         The rule.
     inputs, outputs : sequence of lists of int
-        Numbers in the file of the terms of each variable, negative for complements.
+        Numbers in the file for the terms of each variable; negative for complements.
     where : str
         The format; hedges are written for Octave.
 
     Raises
     ------
     NotExpressible
-        If it is nested, asks about an input twice, asks for nothing, or has hedges.
+        If it is nested, uses an input twice, has no antecedent, or has hedges that the format
+        cannot express.
     """
     flat = clauses_of_rule(rule.asked)
     if flat is None:
@@ -203,13 +204,13 @@ def rule_line(
     either, clauses = flat
     if not clauses:
         raise NotExpressible(
-            "a rule that asks for nothing", where, "it cannot be told from one that never fires"
+            "a rule without an antecedent", where, "it would look like a rule that never fires"
         )
     words = ["0"] * len(inputs)
     for clause in clauses:
         if words[clause.input] != "0":
             raise NotExpressible(
-                "a rule that asks about an input twice", where, "it has one number for each"
+                "a rule that uses an input twice", where, "it has one number for each"
             )
         words[clause.input] = _word(inputs[clause.input][clause.term], clause.changes, where)
     said = " ".join(
@@ -221,7 +222,7 @@ def rule_line(
 
 
 def _word(number: int, changes: tuple[str | Hedge, ...], where: str) -> str:
-    """Return the number of a term with what changes it."""
+    """Return the number of a term with its modifiers."""
     negations, power = 0, 1.0
     for change in changes:
         if isinstance(change, Hedge):
@@ -252,4 +253,4 @@ def _word(number: int, changes: tuple[str | Hedge, ...], where: str) -> str:
 
 
 OCTAVE = ".fis of Octave"
-"""What errors call the dialect of Octave's toolbox."""
+"""Name of the dialect of Octave's toolkit in error messages."""

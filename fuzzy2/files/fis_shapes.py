@@ -1,4 +1,4 @@
-"""What the membership functions in ``.fis`` files mean."""
+"""Meaning of the membership functions in ``.fis`` files."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
 from fuzzy2.sets.uncertain_mean import NearestMeanGaussian
 
 _WITH_HEIGHT = (Triangular, Trapezoidal, Gaussian, PiShaped)
-"""Classes that have a height."""
+"""Classes with a height."""
 
 
 def _gaussian_combination(
@@ -30,7 +30,7 @@ def _gaussian_combination(
 
 
 def _pi(a: float, b: float, c: float, d: float, height: float) -> Type1Set:
-    # Where the foot is not left of the shoulder, there is a step midway between them.
+    # If the foot is not to the left of the shoulder, there is a step midway between them.
     if math.isfinite(a) and a >= b:
         a = b = 0.5 * a + 0.5 * b
     if math.isfinite(d) and c >= d:
@@ -45,7 +45,7 @@ def _pi(a: float, b: float, c: float, d: float, height: float) -> Type1Set:
 
 
 def _unscaled(made: Type1Set, height: float) -> Type1Set:
-    """Return a set whose class has no height, with one."""
+    """Return a set without a height, given its class, scaled to a height."""
     return made if height == 1.0 else Lagged(made, (0.0, 0.0), height)
 
 
@@ -84,19 +84,19 @@ _SHAPES: dict[str, tuple[int, Callable[..., Type1Set]]] = {
         4,
         lambda s1, c1, s2, c2, height: _unscaled(SigmoidProduct((c1, c2), (s1, s2)), height),
     ),
-    # Of fuzzylite.
+    # Shapes of fuzzylite.
     "rectmf": (2, lambda left, right, height: _unscaled(Interval(left, right), height)),
     "rampmf": (2, _ramp),
 }
-"""Shapes with the number of their parameters; what makes them takes the height last."""
+"""Shapes with the number of their parameters; their constructors take the height last."""
 
 
 def toolbox_shape(
     kind: str, parameters: list[float], lower: tuple[list[float], list[float]] | None
 ) -> Any:
-    """Return a set of the Fuzzy Logic Toolbox.
+    """Return a set for a shape of the Fuzzy Logic Toolbox.
 
-    ``lower`` is the scale and the lags of a type-2 set.
+    ``lower`` holds the scale and the lags of a type-2 set.
     """
     upper = _named_shape(kind, parameters, 1.0)
     if lower is None:
@@ -135,7 +135,7 @@ def _lagged(upper: Triangular | Trapezoidal, left: float, right: float, height: 
 
 
 def open_toolbox_shape(kind: str, parameters: list[float]) -> Type1Set:
-    """Return a set of the open toolbox, whose height may follow its parameters."""
+    """Return a set for a shape of the open toolbox, whose height may follow its parameters."""
     count = _SHAPES[kind][0] if kind in _SHAPES else 0
     return (
         _named_shape(kind, parameters[:count], parameters[count])
@@ -152,7 +152,7 @@ def _named_shape(kind: str, parameters: list[float], height: float) -> Type1Set:
             f"the membership function {kind!r}", "fuzzy2", f"known are {', '.join(_SHAPES)}"
         )
     count, make = _SHAPES[kind]
-    # Files of version 1 have zeros at the end of what is shorter than four.
+    # Files of version 1 pad parameters to four numbers with zeros.
     if len(parameters) > count and not any(parameters[count:]):
         parameters = parameters[:count]
     if len(parameters) != count:
@@ -169,7 +169,7 @@ def _discrete(parameters: list[float]) -> Type1Set:
 class Crossing(NamedTuple):
     """Two membership functions of the open toolbox that cross within the range.
 
-    They bound nothing, but the toolbox multiplies and averages both all the same.
+    They do not bound a footprint, but the toolbox multiplies and averages both anyway.
     """
 
     lower: Type1Set
@@ -177,9 +177,9 @@ class Crossing(NamedTuple):
 
 
 def inside_range(lower: Type1Set, upper: Type1Set, ends: tuple[float, float]) -> Type1Set:
-    """Return a lower membership function, cut off at the ends of a range if it must be.
+    """Return a lower membership function, cut off at the ends of a range if necessary.
 
-    It must be where it is above the upper one beyond the range.
+    That is necessary if it is above the upper function beyond the range.
     """
     if isinstance(lower, Gaussian) and isinstance(upper, Gaussian):
         below, above = lower, upper
@@ -193,7 +193,7 @@ def inside_range(lower: Type1Set, upper: Type1Set, ends: tuple[float, float]) ->
 
 
 def pair_of_sets(lower: Type1Set, upper: Type1Set) -> IntervalType2Set:
-    """Return the interval type-2 set of two membership functions, a Gaussian one if it can be."""
+    """Return the interval type-2 set of two membership functions, a Gaussian one if possible."""
     if (
         isinstance(lower, Gaussian)
         and isinstance(upper, Gaussian)
@@ -209,7 +209,7 @@ def pair_of_sets(lower: Type1Set, upper: Type1Set) -> IntervalType2Set:
 
 
 def corners_of(one: Type1Set) -> tuple[float, float, float, float] | None:
-    """Return the corners of a set with straight sides as a trapezoid."""
+    """Return the corners of a set with straight sides, as those of a trapezoid."""
     if isinstance(one, Trapezoidal):
         return one.a, one.b, one.c, one.d
     if isinstance(one, Triangular):
@@ -220,7 +220,7 @@ def corners_of(one: Type1Set) -> tuple[float, float, float, float] | None:
 
 
 def named_shape(one: Type1Set) -> tuple[str, tuple[float, ...], float] | None:
-    """Return the kind, the parameters and the height of a set; None if it has no such shape."""
+    """Return kind, parameters and height of a set; None if the toolbox does not have its shape."""
     if isinstance(one, Trapezoidal) and math.isinf(one.a) and math.isfinite(one.d):
         return "linzmf", (one.c, one.d), one.height
     if isinstance(one, Trapezoidal) and math.isinf(one.d) and math.isfinite(one.a):

@@ -1,4 +1,4 @@
-"""A description, written as the text of a ``.fis`` file."""
+"""Writer of a description as the text of a ``.fis`` file."""
 
 from __future__ import annotations
 
@@ -39,14 +39,14 @@ from fuzzy2.sets.type1 import Type1Set
 from fuzzy2.systems.operators import DIRECT_METHODS, MAXIMA, UNIONS
 
 _SEPARATE = ("center_of_sets", "weighted_sum")
-"""Averages and sums over the rules, whether or not they say the same."""
+"""Averages and sums over the rules, even if some have the same consequent."""
 
 _SEPARATE_OF = {"united_average": "center_of_sets", "united_sum": "weighted_sum"}
-"""Those over what is said, with the one over the rules."""
+"""Averages and sums over different consequents, with their counterparts over the rules."""
 
 
 class FisWriter:
-    """One description, written line by line."""
+    """Writer of one description, line by line."""
 
     def __init__(self, description: Description, name: str, where: str) -> None:
         self.description, self.where = description, where
@@ -58,12 +58,12 @@ class FisWriter:
         raise NotExpressible(what, self.where, reason)
 
     def _check_integration(self) -> None:
-        """Refuse what integrates otherwise than the program that reads the file."""
+        """Refuse integrations that differ from that of the program that reads the file."""
         described = self.description
         reduction = described.reduced_by
         if not described.mamdani or reduction not in UNIONS:
             return
-        # Trapezoids have the points of the sum, which is all that matters to maxima.
+        # Trapezoids use the same points as the sum, and maxima only depend on the points.
         known = ("sum", "trapezoidal") if reduction in MAXIMA else ("sum",)
         if self.where == OCTAVE and reduction not in MAXIMA:
             known = ("trapezoidal",)
@@ -71,7 +71,7 @@ class FisWriter:
             points = "" if described.integration == "exact" else f" over {described.resolution}"
             self._refuse(
                 f"integration={described.integration!r}{points}",
-                f"the program that reads it takes {SAMPLE_POINTS} points; make it theirs with "
+                f"the program that reads the file uses {SAMPLE_POINTS} points; change it with "
                 f'replace(integration="{known[0]}", resolution={SAMPLE_POINTS})',
             )
 
@@ -80,7 +80,7 @@ class FisWriter:
             if output.default is not None:
                 self._refuse(
                     f"the default {output.default:g} of the output {output.name!r}",
-                    "it has no word for what is answered where no rule fires; take "
+                    "it cannot hold the output where no rule fires; take "
                     "replace(default_outputs=None)",
                 )
 
@@ -126,7 +126,7 @@ class FisWriter:
         return [*lines, *self._reducer()]
 
     def _methods(self) -> tuple[str, tuple[str, ...]]:
-        """Return the kind of system and the words for its operators."""
+        """Return the kind of system and the names of its operators."""
         described, dialect = self.description, "octave" if self.where == OCTAVE else "matlab"
         reduction, kind = described.reduced_by, "mamdani" if described.mamdani else "sugeno"
         either = self._norm(described.disjunction, T_CONORMS, "t-conorm")
@@ -149,7 +149,7 @@ class FisWriter:
         if self.where != OCTAVE:
             known = {theirs: ours for theirs, ours in known.items() if theirs in MATLAB_NORMS}
         elif name == "probabilistic":
-            # Octave knows its own word only.
+            # Octave only knows its own name.
             return "algebraic_sum"
         elif name == "nilpotent":
             self._refuse(f"the {what} {name!r}", "it has none of the name")
@@ -168,7 +168,7 @@ class FisWriter:
             known, key = REDUCERS, "TypeReductionMethod"
         if described.method in (*DIRECT_METHODS, *known.values()):
             return [f"{key}='{known_as(described.method, known, 'method', self.where)}'"]
-        # A method that the program has not is as exact as the one that it is exchanged for.
+        # An exact method that the program does not have is replaced with another exact one.
         return [f"{key}='{known_as('eiasc', known, 'method', self.where)}'"]
 
     def _variable(self, variable: Variable, of_sets: bool) -> list[str]:
@@ -194,7 +194,7 @@ class FisWriter:
         return lines
 
     def _linear(self, term: LinearFunction) -> tuple[float, ...]:
-        """Return the slopes and the constant, of either end if they are intervals."""
+        """Return slopes and constant, for both ends if they are intervals."""
         middle = (*term.slopes, term.constant)
         if not term.spreads or not self.open_toolbox:
             check_crisp(term, self.where)
@@ -262,7 +262,7 @@ class FisWriter:
             kind, values, height = self._shape(one.whole)
             return kind, values, height * one.scale
         if isinstance(one, Truncated) and self.open_toolbox:
-            # It was cut off where it is above the upper one, beyond the range.
+            # It was cut off because it is above the upper function beyond the range.
             return self._shape(one.whole)
         return named_shape(one) or self._refuse(
             f"{one!r}", "it has no membership function of that shape"
@@ -270,9 +270,9 @@ class FisWriter:
 
 
 def _without_complements(variable: Variable) -> tuple[Variable, list[int]]:
-    """Return a variable without its complements, and the number of each term.
+    """Return a variable without its complements, and the number of each term in the file.
 
-    Numbers count from 1 and are negative for a complement.
+    Numbers start at 1 and are negative for complements.
     """
     terms = {name: term for name, term in variable.terms.items() if not _is_complement(term)}
     numbers = []
@@ -302,7 +302,7 @@ def _lag(foot: float, lower_foot: float, shoulder: float) -> float:
 
 
 def _vector(values: Iterable[float]) -> str:
-    # The digits that give back the same float.
+    # Enough digits to read back the same float.
     return (
         "["
         + " ".join(repr(float(value)).removesuffix(".0").replace("inf", "Inf") for value in values)

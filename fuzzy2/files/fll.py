@@ -1,21 +1,22 @@
 """Systems as files of fuzzylite (``.fll``).
 
-What is read and written is what fuzzylite 8 does: its terms, its hedges and norms, the midpoint
-rule of its integrals (``integration="midpoint"``, 1000 points if a file gives no number), weighted
-averages and sums, Tsukamoto's terms anywhere, within the range or not. Outputs with operators of
-their own become a :class:`fuzzy2.ParallelSystem`. An output in a condition stands for the rules
-that spoke of it before. A *Function* is a formula of the inputs and of outputs before it, or as a
-membership function of x.
+Reader and writer follow fuzzylite 8: its terms, hedges and norms, the midpoint rule of its
+integrals (``integration="midpoint"``, with 1000 points if a file gives no number), weighted
+averages and sums, and Tsukamoto's terms, whose points may lie outside the range. Outputs with
+different operators become a :class:`fuzzy2.ParallelSystem`. An output in a condition stands for the
+preceding rules that conclude it. A *Function* is a formula of the inputs and of preceding outputs,
+or, as a membership function, a formula of x.
 
-Three things that fuzzylite does are easily overlooked: a hedge in a conclusion goes on to the
-conclusions after it in the same rule; of terms with one name the last one counts; and under an
-aggregation, weighted averages first aggregate the rules that conclude the same term (version 6 adds
-them up, as both do with ``aggregation: none``). With ``lock-previous`` an output without a firing
-rule is NaN, which says that there is nothing new: a system does not remember, its caller may.
+Three features of fuzzylite are easily overlooked. A hedge in a conclusion also applies to the
+following conclusions of the rule. If several terms have the same name, the last one is used. With
+an aggregation, weighted averages first aggregate the rules that conclude the same term (version 6
+adds them up, as both versions do with ``aggregation: none``). With ``lock-previous``, an output
+without a firing rule is NaN, which means that there is no new value: a system has no memory, but
+its caller may keep the last value.
 
-Refused by name are ``lock-previous`` beside a default, activations other than *General*, disabled
-variables, ``lock-range`` where it would change something, membership functions by formula of other
-variables than x, and different operators in rules of one output.
+The following are refused with a message: ``lock-previous`` with a default, activations other than
+*General*, disabled variables, ``lock-range`` where it has an effect, formulas of variables other
+than x as membership functions, and different operators in the rules of one output.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ def parse_fll(text: str, source: str = "text") -> AnySystem:
     text : str
         The text.
     source : str
-        What error messages call it.
+        Name of the text in error messages.
 
     Returns
     -------
@@ -48,9 +49,9 @@ def parse_fll(text: str, source: str = "text") -> AnySystem:
     Raises
     ------
     MalformedFile
-        If the text is no such file; ``place`` is the line.
+        If the text is not such a file; ``place`` is the line.
     NotExpressible
-        If it describes what a system here cannot be; it names the line.
+        If this package cannot represent the system; the message names the line.
     """
     return FllReader(text, source).system()
 
@@ -66,16 +67,16 @@ def read_fll(path: str | os.PathLike[str]) -> AnySystem:
     Returns
     -------
     Type1System or ParallelSystem
-        The latter if outputs differ in their operators.
+        The system; a ParallelSystem if outputs have different operators.
 
     Raises
     ------
     MalformedFile
-        If it is no such file; ``place`` is the line.
+        If it is not such a file; ``place`` is the line.
     NotExpressible
-        If it describes what a system here cannot be; it names the line.
+        If this package cannot represent the system; the message names the line.
     OSError
-        If it cannot be read.
+        If the file cannot be read.
     """
     return parse_fll(read_text(path), str(path))
 
@@ -98,7 +99,7 @@ def format_fll(system: AnySystem, name: str = "system") -> str:
     Raises
     ------
     NotExpressible
-        If the format has no way to write the system.
+        If the format cannot express the system.
     """
     return FllWriter(engine_of(system, name, ".fll"), ".fll").text()
 
@@ -109,15 +110,15 @@ def write_fll(system: AnySystem, path: str | os.PathLike[str]) -> None:
     Parameters
     ----------
     system : Type1System or ParallelSystem
-        The system. Those that integrate must do so as fuzzylite does, ``integration="midpoint"``.
+        The system. If it integrates, it must do so as fuzzylite does, ``integration="midpoint"``.
     path : str or path-like
-        The file; one that exists is replaced whole.
+        The file; an existing file is replaced.
 
     Raises
     ------
     NotExpressible
-        If the format has no way to write the system.
+        If the format cannot express the system.
     FileNotWritten
-        If the file cannot be written; what was there before remains.
+        If the file cannot be written; an existing file is kept.
     """
     write_text(format_fll(system, Path(path).stem), path)

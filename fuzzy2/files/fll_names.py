@@ -1,4 +1,4 @@
-"""Names of fuzzylite (7 and 8): terms, norms, hedges and defuzzifiers, and what they are here."""
+"""Names of fuzzylite (7 and 8) for terms, norms, hedges and defuzzifiers."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ S_NORMS = {
     "HamacherSum": "hamacher",
     "Maximum": "max",
     "NilpotentMaximum": "nilpotent",
-    # (a + b)/max(1, a + b) is the same as min(1, a + b).
+    # (a + b)/max(1, a + b) equals min(1, a + b).
     "NormalizedSum": "lukasiewicz",
     "UnboundedSum": SUM,
 }
@@ -50,7 +50,7 @@ INTEGRALS = {
 }
 
 RESOLUTION = 1000
-"""Points that fuzzylite sums over where a file does not say how many (100 in version 6)."""
+"""Number of points of fuzzylite's sums if a file does not give one (100 in version 6)."""
 
 FLL_HEDGES = MappingProxyType(
     {
@@ -70,7 +70,7 @@ _MONOTONIC = ("Arc", "Concave", "Ramp", "Sigmoid", "SShape", "ZShape")
 
 
 def _trapezoid(a: float, b: float, c: float, d: float, height: float) -> Type1Set:
-    # A foot at infinity means that the membership is whole up to the shoulder.
+    # A foot at infinity means that the membership is 1 up to the shoulder.
     left, right = (-math.inf, -math.inf) if a == -math.inf else (a, b), (c, d)
     return Trapezoidal(*left, *((math.inf, math.inf) if d == math.inf else right), height)
 
@@ -133,33 +133,33 @@ _TERMS: dict[str, tuple[int, Callable[..., Type1Set]]] = {
     "Triangle": (3, _triangle),
     "ZShape": (2, lambda a, b, height: PiShaped(-math.inf, -math.inf, a, b, height)),
 }
-"""Terms with the number of their parameters; what makes them takes the height last."""
+"""Terms with the number of their parameters; their constructors take the height last."""
 
 KINDS = (*_TERMS, "Constant", "Discrete", "Linear")
-"""Terms that are made of numbers; "Function" is made of a text."""
+"""Terms that are defined by numbers; "Function" is defined by a text."""
 
 
 def is_monotonic(kind: str) -> bool:
-    """Return whether fuzzylite asks terms of a kind for the point of a grade (Tsukamoto)."""
+    """Return whether fuzzylite can invert terms of a kind, which Tsukamoto's systems need."""
     return kind in _MONOTONIC
 
 
 def term_of(kind: str, numbers: list[float], inputs: int | None) -> Any:
-    """Return a term of fuzzylite.
+    """Return the term for a term of fuzzylite.
 
     Parameters
     ----------
     kind : str
-        Its class in fuzzylite.
+        Class of the term in fuzzylite.
     numbers : list of float
-        Its parameters, and its height if it has one.
+        Parameters of the term, and its height if it has one.
     inputs : int, or None
-        Of a term of an output, the number of inputs.
+        Number of inputs, for a term of an output.
 
     Raises
     ------
     NotExpressible
-        If there is no such set here.
+        If this package has no such set.
     InvalidValue
         If the parameters are not those of the term.
     """
@@ -186,7 +186,7 @@ def term_of(kind: str, numbers: list[float], inputs: int | None) -> Any:
 
 def _linear(numbers: list[float], inputs: int | None) -> LinearFunction:
     if inputs is None:
-        raise NotExpressible("the term 'Linear' of an input", "fuzzy2", "it is no set")
+        raise NotExpressible("the term 'Linear' of an input", "fuzzy2", "it is not a set")
     if len(numbers) not in (inputs, inputs + 1) or not all(map(math.isfinite, numbers)):
         raise InvalidValue(
             "the parameters",
@@ -199,12 +199,12 @@ def _linear(numbers: list[float], inputs: int | None) -> LinearFunction:
 
 
 def clamped(term: Any, ends: tuple[float, float]) -> Any:
-    """Return a term of an input that is held within its range (``lock-range``).
+    """Return a term of an input whose values are limited to its range (``lock-range``).
 
     Raises
     ------
     NotExpressible
-        If the term has no straight sides and goes on beyond the range.
+        If the term does not have straight sides and continues beyond the range.
     """
     left, right = ends
     if not isinstance(term, Triangular | Trapezoidal | Interval | NamedShape):
@@ -216,7 +216,7 @@ def clamped(term: Any, ends: tuple[float, float]) -> Any:
     if not isinstance(term, NamedShape):
         a, b, c, d = corners_of(term)
         if (a == b and left < a < right) or (c == d and left < d < right):
-            # A jump has no place between points.
+            # Points cannot express a jump.
             raise _unlocked(term)
         if (a >= left or inside[0] == 0.0) and (d <= right or inside[-1] == 0.0):
             level = (a > left or inside[0] == 0.0) and (d < right or inside[-1] == 0.0)
@@ -245,7 +245,7 @@ def corners_of(term: Any) -> tuple[float, float, float, float]:
 
 
 def text_of(term: Any, where: str) -> str:
-    """Return a term as fuzzylite writes it, without its name.
+    """Return a term in fuzzylite's syntax, without its name.
 
     Raises
     ------
@@ -267,7 +267,7 @@ def text_of(term: Any, where: str) -> str:
 
 
 def number(value: float) -> str:
-    """Return a number with the digits that give it back."""
+    """Return a number with enough digits to read it back exactly."""
     return repr(float(value))
 
 

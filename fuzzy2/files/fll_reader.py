@@ -1,4 +1,4 @@
-"""The text of a ``.fll`` file, read into an engine."""
+"""Reader of the text of a ``.fll`` file, which makes an engine."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ class _Line(NamedTuple):
 
 @dataclass
 class _Block:
-    """What stands below a heading: entries by key, and the many terms or rules."""
+    """Lines after a heading: entries by key, and lists of terms or rules."""
 
     kind: str
     name: str
@@ -104,7 +104,7 @@ class _Block:
 
 
 class FllReader(Source):
-    """One text, read into blocks and then into an engine."""
+    """Reader of one text, which makes blocks and then an engine."""
 
     def __init__(self, text: str, source: str) -> None:
         super().__init__(source)
@@ -150,7 +150,7 @@ class FllReader(Source):
                 block.many.append(_Line(number, value))
             elif key in block.entries:
                 first = block.entries[key].number
-                raise self.malformed(number, f"{key} is there twice, first in line {first}")
+                raise self.malformed(number, f"{key} occurs twice, first in line {first}")
             else:
                 block.entries[key] = _Line(number, value)
         return block
@@ -264,7 +264,7 @@ class FllReader(Source):
                     number, f"expected term: <name> <kind> ..., got {value[:40]!r}"
                 )
             name, kind = words[0], words[1]
-            # Of terms of one name fuzzylite 8 takes the last one.
+            # If several terms have the same name, fuzzylite 8 uses the last one.
             terms[name] = self._term(block, number, words, inputs)
             self._kinds[block.name, name] = kind
         return terms
@@ -285,7 +285,7 @@ class FllReader(Source):
         return self._guarded(number, kind, lambda: term_of(kind, numbers, inputs))
 
     def _guarded(self, line: int, kind: str, make: Any) -> Any:
-        """Make a term; what its class says against it is said of the line."""
+        """Make a term; an error of its class is reported with the line."""
         try:
             return make()
         except NotExpressible as error:
@@ -333,8 +333,8 @@ class FllReader(Source):
     ) -> Output:
         ends, default = self._range(block), self._default(block)
         for key in ("lock-previous", "lock-valid"):
-            # NaN where no rule fires says that there is nothing new; the last output is the
-            # caller's to hold.
+            # NaN where no rule fires means that there is no new value; the caller must keep the
+            # last output.
             if self._truth(block, key, False) and not math.isnan(default):
                 raise self.refused(
                     block.entries[key].number,
@@ -375,7 +375,7 @@ class FllReader(Source):
         aggregation: str | None,
         rules: tuple[EngineRule, ...],
     ) -> None:
-        """Refuse grades by formula beyond 0 and 1 where it would matter that they are cut off."""
+        """Refuse formulas that leave [0, 1], unless limiting their grades has no effect."""
         implied = {
             one.implication for one in rules if any(name == block.name for name, _ in one.said)
         }
@@ -416,7 +416,7 @@ class FllReader(Source):
         said: list[str],
         aggregation: str | None,
     ) -> Defuzzifier:
-        """Return a weighted defuzzifier, whose type fuzzylite finds from the terms."""
+        """Return a weighted defuzzifier, whose type fuzzylite infers from the terms."""
         kind = words[1] if len(words) > 1 else "Automatic"
         if kind not in ("Automatic", "TakagiSugeno", "Tsukamoto"):
             raise self.malformed(number, f"expected a type of {words[0]}, got {kind[:40]!r}")
@@ -448,7 +448,7 @@ class FllReader(Source):
         return Defuzzifier("centroid" if united else "center_of_sets")
 
     def _check_values(self, block: _Block, defuzzifier: Defuzzifier, terms: list[Any]) -> None:
-        """Refuse equal numbers of different names, which fuzzylite does not aggregate."""
+        """Refuse equal numbers with different names, which fuzzylite does not aggregate."""
         if defuzzifier.reduction == "centroid" and len(set(terms)) < len(terms):
             raise self.refused(
                 block.number, f"two terms of {block.name!r} with one value", "they have one place"
@@ -461,7 +461,7 @@ class FllReader(Source):
         terms: dict[str, Any],
         default: float,
     ) -> None:
-        """Refuse a range that is not kept anyway."""
+        """Refuse a range limit that has an effect."""
         if ends is None:
             return
         numbers = [

@@ -1,4 +1,4 @@
-"""An engine, written as the text of a ``.fll`` file."""
+"""Writer of an engine as the text of a ``.fll`` file."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _KEYWORDS = ("if", "is", "then", "and", "or", "with", "not", "any", *FLL_HEDGES)
 
 
 class FllWriter:
-    """One engine, written section by section."""
+    """Writer of one engine, section by section."""
 
     def __init__(self, engine: Engine, where: str) -> None:
         self._engine, self._where = engine, where
@@ -143,7 +143,8 @@ class FllWriter:
         if not words or rule.weight != 1.0:
             tree, words = rule.asked, []
         asked = written(tree, FLL_HEDGES, self._clause, self._where, negation=False)
-        # What hedges a whole condition hedges the first conclusion, and with it all of them.
+        # A hedge of the whole condition is written at the first conclusion, from which it carries
+        # over to the others.
         before = "".join(f"{word} " for word in words)
         said = " and ".join(
             f"{output} is {'' if i else before}{term}" for i, (output, term) in enumerate(rule.said)

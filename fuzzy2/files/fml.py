@@ -1,31 +1,34 @@
 """Systems in the Fuzzy Markup Language of IEEE Std 1855-2016 (FML).
 
-Type-1 systems of Mamdani, of Takagi, Sugeno and Kang, and of Tsukamoto; and AnYa rule bases, whose
-rules ask for clouds of data and say sets (:class:`fuzzy2.AnYaSystem`).
+The format holds type-1 systems of Mamdani, of Takagi, Sugeno and Kang, and of Tsukamoto, and AnYa
+rule bases, whose antecedents are data clouds and whose consequents are sets
+(:class:`fuzzy2.AnYaSystem`).
 
-The shapes that have a class here are read and written: triangles, trapezoids, shoulders (right and
-left linear), Gaussians, rectangles, singletons, linearly interpolated points, Gaussian shoulders,
-and S-, Z- and pi-shaped sets. The standard gives a pi shape two parameters and does not say which;
-here, as in its reference implementation JFML, they are the left foot and the top, and the right
-side mirrors the left one. Complements of all these are kept. Points of Lagrange's polynomial are
-read, cut off at 0 and 1, and terms made of others (circular definitions, aggregated variables).
+Shapes for which this package has a class are read and written: triangles, trapezoids, shoulders
+(right and left linear), Gaussians, rectangles, singletons, linearly interpolated points, Gaussian
+shoulders, and S-, Z- and pi-shaped sets. The standard gives a pi shape two parameters but does not
+define them. Here, as in its reference implementation JFML, they are the left foot and the top, and
+the right side mirrors the left one. Complements of all these are preserved. Interpolation by
+Lagrange's polynomial, limited to [0, 1], and terms made of others (circular definitions, aggregated
+variables) are only read.
 
-Rules have weights, *and* or *or*, modifiers, an *else*, and may be silent about outputs. Where
-JFML departs from the standard the standard is followed: JFML's ``plus``, ``somewhat``,
-``more_or_less`` and ``seldom`` divide whole numbers. Refused with their line are the modifiers
-``above``, ``below``, ``norm`` and ``slightly``, custom shapes and operators, cubic and spline
-interpolation, several rule bases, operators that differ among outputs or rules, and of AnYa
-functions of the inputs as consequents, and outputs of several kinds.
+Rules have weights, *and* or *or*, modifiers and an *else*, and need not have a consequent for every
+output. Where JFML departs from the standard, the standard is followed: JFML's ``plus``,
+``somewhat``, ``more_or_less`` and ``seldom`` divide integers. The following are refused with their
+line: the modifiers ``above``, ``below``, ``norm`` and ``slightly``, custom shapes and operators,
+cubic and spline interpolation, several rule bases, different operators for outputs or rules, and in
+AnYa rule bases functions of the inputs as consequents and outputs of several kinds.
 
-Words are read in any case. ``defaultValue`` is the output where no rule fires, and NaN, which is
-written, stands for none. The center of gravity, an integral in the standard, is summed up over
-20 001 points, and integrated exactly if there are singletons; a processing instruction, which other
-programs pass over, says it of systems of this package. A document type declaration is refused: it
-could make a small file expand without end, or read other files.
+Keywords are case-insensitive. ``defaultValue`` is the output where no rule fires; NaN, which is
+written if there is no default, stands for none. The center of gravity, an integral in the standard,
+is summed up over 20 001 points, and integrated exactly if there are singletons. Files of this
+package store the integration in a processing instruction, which other programs ignore. A document
+type declaration is refused, because it could make a small file expand without end, or read other
+files.
 
-The schema of the standard names the t-norms of Lukasiewicz and the drastic one ``BSUM`` and
-``DRS``, like their t-conorms, its text ``BDIF`` and ``DRP``: written are the names of the schema,
-read are both.
+The schema of the standard calls the Łukasiewicz and the drastic t-norm ``BSUM`` and ``DRS``, like
+their t-conorms, but its text calls them ``BDIF`` and ``DRP``. Both names are read, and those of the
+schema are written.
 """
 
 from __future__ import annotations
@@ -55,7 +58,7 @@ def parse_fml(text: str, source: str = "text") -> AnySystem:
     text : str
         The document.
     source : str
-        What error messages call it.
+        Name of the text in error messages.
 
     Returns
     -------
@@ -65,9 +68,9 @@ def parse_fml(text: str, source: str = "text") -> AnySystem:
     Raises
     ------
     MalformedFile
-        If the text is no such document; ``place`` is the line.
+        If the text is not such a document; ``place`` is the line.
     NotExpressible
-        If it describes what a system here cannot be; it names the line.
+        If this package cannot represent the system; the message names the line.
     """
     return FmlReader(source).system(text)
 
@@ -84,16 +87,16 @@ def read_fml(path: str | os.PathLike[str]) -> AnySystem:
     -------
     Type1System or AnYaSystem
         A Mamdani system with the reducer ``"centroid"``, or a Takagi-Sugeno-Kang system with
-        ``"center_of_sets"``; of clouds of data an :class:`fuzzy2.AnYaSystem`.
+        ``"center_of_sets"``; for data clouds, an :class:`fuzzy2.AnYaSystem`.
 
     Raises
     ------
     MalformedFile
-        If it is no such file; ``place`` is the line.
+        If it is not such a file; ``place`` is the line.
     NotExpressible
-        If it describes what a system here cannot be; it names the line.
+        If this package cannot represent the system; the message names the line.
     OSError
-        If it cannot be read.
+        If the file cannot be read.
     """
     return parse_fml(read_text(path), str(path))
 
@@ -116,7 +119,7 @@ def format_fml(system: AnySystem, name: str = "system") -> str:
     Raises
     ------
     NotExpressible
-        If FML has no way to write the system.
+        If FML cannot express the system.
     """
     clouds = system if isinstance(system, AnYaSystem) else None
     described = system.consequents if isinstance(system, AnYaSystem) else system
@@ -138,13 +141,13 @@ def write_fml(system: AnySystem, path: str | os.PathLike[str]) -> None:
     system : Type1System or AnYaSystem
         The system.
     path : str or path-like
-        The file; one that exists is replaced whole.
+        The file; an existing file is replaced.
 
     Raises
     ------
     NotExpressible
-        If FML has no way to write the system.
+        If FML cannot express the system.
     FileNotWritten
-        If the file cannot be written; what was there before remains.
+        If the file cannot be written; an existing file is kept.
     """
     write_text(format_fml(system, Path(path).stem), path)

@@ -1,4 +1,4 @@
-"""Clouds of data and the rules that ask for them, written into an FML document."""
+"""Writer of data clouds and their rules, in an FML document."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from fuzzy2.systems.anya import AnYaSystem
 
 
 def check_clouds(description: Description, clouds: AnYaSystem) -> None:
-    """Refuse consequents that an AnYa rule base does not have.
+    """Refuse consequents that an AnYa rule base cannot have.
 
     Raises
     ------
     NotExpressible
-        If they are functions, or rules ask for more than one firing or its complement.
+        If they are functions, or if a rule uses more than one firing or its complement.
     """
     if any(
         isinstance(term, LinearFunction)
@@ -37,8 +37,8 @@ def check_clouds(description: Description, clouds: AnYaSystem) -> None:
     if count < len(description.rules) or any(
         list(firing.terms.values()) != [FIRING] for firing in description.inputs
     ):
-        reason = "its rules of clouds ask for the firing itself; use JSON"
-        raise NotExpressible("a rule that asks for more than a firing", "FML", reason)
+        reason = "its rules of clouds use the firing itself; use JSON"
+        raise NotExpressible("a rule that uses more than one firing", "FML", reason)
     for then, otherwise in branches:
         if len(then) != 1 or len(otherwise) > 1:
             raise NotExpressible(
@@ -54,7 +54,7 @@ def check_clouds(description: Description, clouds: AnYaSystem) -> None:
 def _branches(
     description: Description, firing: int
 ) -> tuple[list[DescribedRule], list[DescribedRule]]:
-    """Return the rules that ask for a firing, and those that ask for its complement."""
+    """Return the rules that use a firing, and those that use its complement."""
     asked = Is(firing, 0)
     return (
         [rule for rule in description.rules if rule.asked == asked],
@@ -63,7 +63,7 @@ def _branches(
 
 
 def write_clouds(base: ElementTree.Element, clouds: AnYaSystem) -> None:
-    """Write the data."""
+    """Write the data of the clouds."""
     for name, data in zip(clouds.input_names, clouds.clouds, strict=True):
         cloud = ElementTree.SubElement(base, "anYaDataCloud", {"name": name})
         for value in data:
@@ -73,7 +73,7 @@ def write_clouds(base: ElementTree.Element, clouds: AnYaSystem) -> None:
 def write_cloud_rules(
     root: ElementTree.Element, description: Description, clouds: AnYaSystem
 ) -> None:
-    """Write for each firing a rule, with *then* and perhaps *else*."""
+    """Write a rule for each firing, with *then* and possibly *else*."""
     implied = known_as(description.implied_by, T_NORMS, "implication", "FML")
     words = {"name": "rules", "activationMethod": implied}
     base = ElementTree.SubElement(root, "anYaRuleBase", words)

@@ -1,4 +1,4 @@
-"""The elements of an FML document, with their lines."""
+"""Elements of an FML document, with their lines."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from fuzzy2.systems.rules import unknown_name
 
 @dataclass
 class Element:
-    """Element of a document that remembers its line."""
+    """Element of a document, with its line number."""
 
     name: str
     attributes: dict[str, str]
@@ -33,9 +33,10 @@ class Element:
 
 
 class FmlElements(Source):
-    """One document, read into elements.
+    """Elements of one document.
 
-    ``own`` are the words of an instruction to this package, which other programs pass over.
+    ``own`` holds the words of the processing instruction for this package, which other programs
+    ignore.
     """
 
     def __init__(self, source: str) -> None:
@@ -43,8 +44,8 @@ class FmlElements(Source):
         self.own: dict[str, str] = {}
 
     def root(self, text: str) -> Element:
-        """Return the outermost element of a document."""
-        # The text is decoded already, so what it declares of its encoding is past.
+        """Return the root element of a document."""
+        # The text is decoded already, so its encoding declaration no longer applies.
         parser = expat.ParserCreate("utf-8", namespace_separator="}")
         holder = Element("", {}, 0)
         open_elements = [holder]
@@ -60,7 +61,7 @@ class FmlElements(Source):
                     parser.CurrentLineNumber,
                     f"expected elements of {NAMESPACE}, got one of {namespace}",
                 )
-            # Those of other namespaces, like the place of a schema, are others' business.
+            # Attributes of other namespaces, such as the location of a schema, are ignored.
             own = {key: value for key, value in attributes.items() if "}" not in key}
             element = Element(local, own, parser.CurrentLineNumber)
             self._check_attributes(element)
@@ -99,8 +100,8 @@ class FmlElements(Source):
         return holder.children[0]
 
     def _check_attributes(self, element: Element) -> None:
-        """Refuse what would be passed over: a misspelled weight is no weight."""
-        # An element of another name is refused where it stands.
+        """Refuse unknown attributes, because a misspelled weight would otherwise be ignored."""
+        # An element with an unknown name is refused where it is read.
         known = ATTRIBUTES.get(element.name, tuple(element.attributes))
         for name in element.attributes:
             if name not in known:
@@ -109,7 +110,7 @@ class FmlElements(Source):
                 )
 
     def _check_content(self, element: Element) -> None:
-        """Refuse texts between elements, and elements within texts."""
+        """Refuse text between elements, and elements within text."""
         if element.name in TEXTS and element.children:
             child = element.children[0]
             raise self.malformed(child.line, f"<{element.name}> holds a text, not <{child.name}>")
@@ -120,7 +121,7 @@ class FmlElements(Source):
             )
 
     def _take_instruction(self, data: str, line: int) -> None:
-        """Take the words of an instruction to this package."""
+        """Store the words of the processing instruction for this package."""
         found = dict(re.findall(r'([^\s=]+)="([^"]*)"', data))
         rest = re.sub(r'[^\s=]+="[^"]*"', "", data).strip()
         if rest or self.own or not found.keys() <= set(OWN_WORDS):
@@ -130,7 +131,7 @@ class FmlElements(Source):
         self.own.update(found)
 
     def attribute(self, element: Element, name: str, default: str | None = None) -> str:
-        """Return an attribute, which must be there if it has no default."""
+        """Return an attribute, which is required if it has no default."""
         value = element.attributes.get(name, default)
         if value is None:
             raise self.malformed(element.line, f"<{element.name}> has no attribute {name!r}")
@@ -138,14 +139,14 @@ class FmlElements(Source):
 
     def number(self, element: Element, text: str) -> float:
         """Return a finite number."""
-        # XML takes these for blanks, Python others, too.
+        # XML treats only these characters as blanks, but Python others as well.
         value = number_of(text.strip(" \t\r\n"))
         if not math.isfinite(value):
             raise self.malformed(element.line, f"expected a finite number, got {text[:40]!r}")
         return value
 
     def children(self, element: Element, *names: str) -> list[Element]:
-        """Return the children, which must have one of some names."""
+        """Return the child elements, whose names must be among the given ones."""
         for child in element.children:
             if child.name not in names:
                 wanted = " or ".join(f"<{name}>" for name in names)
@@ -155,7 +156,7 @@ class FmlElements(Source):
         return element.children
 
     def only(self, element: Element, *names: str) -> Element:
-        """Return the one child, which must have one of some names."""
+        """Return the only child element, whose name must be among the given ones."""
         children = self.children(element, *names)
         if len(children) != 1:
             wanted = " or ".join(f"<{name}>" for name in names)
@@ -167,7 +168,7 @@ class FmlElements(Source):
     def choice(
         self, element: Element, attribute: str, default: str, known: Mapping[str, str]
     ) -> str:
-        """Return what a word in any case stands for."""
+        """Return the meaning of a case-insensitive word."""
         name = self.attribute(element, attribute, default)
         if name.upper() not in known:
             raise self.refused(
@@ -176,7 +177,7 @@ class FmlElements(Source):
         return known[name.upper()]
 
     def truth(self, element: Element, attribute: str) -> bool:
-        """Return whether an attribute is true; it is false where it is missing."""
+        """Return whether an attribute is true; it is false if missing."""
         value = self.attribute(element, attribute, "false")
         if value.lower() not in ("true", "false"):
             raise self.malformed(element.line, f"expected {attribute} true or false, got {value!r}")

@@ -1,4 +1,4 @@
-"""What the names in FML documents mean: norms and membership functions."""
+"""Meaning of the names in FML documents for norms and membership functions."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ T_NORMS = {
     "HPROD": "hamacher",
     "NILMIN": "nilpotent",
 }
-"""T-norms, in capital letters; documents write them in any case."""
+"""T-norms, in capital letters; documents may use any case."""
 
 T_CONORMS = {
     "MAX": "max",
@@ -46,7 +46,7 @@ RULE_BASES = {
 }
 
 FIRING = Trapezoidal(0.0, 1.0, math.inf, math.inf)
-"""Term of a firing that is an input: its grade is the firing."""
+"""Term of an input that is a firing; its grade is the firing itself."""
 
 DEFUZZIFIERS = {
     "COG": "centroid",
@@ -58,10 +58,10 @@ DEFUZZIFIERS = {
 """Defuzzifiers. JFML's mean of maxima is the middle between the first and the last."""
 
 OWN_INSTRUCTION = "fuzzy2"
-"""Target of the processing instruction that says how this package integrates."""
+"""Target of the processing instruction that stores how this package integrates."""
 
 OWN_WORDS = ("integration", "resolution")
-"""Its words."""
+"""Words of the processing instruction."""
 
 SAMPLE_POINTS = 20001
 """Points of a sum for the center of gravity, which the standard defines as an integral."""
@@ -80,7 +80,7 @@ MODIFIERS = {
         function=lambda g: np.where(g <= 0.5, np.sqrt(0.5 * g), 1.0 - np.sqrt(0.5 * (1.0 - g))),
     ),
 }
-"""Hedges of the standard's annex A that rise all the way."""
+"""Monotonically increasing hedges of the standard's annex A."""
 
 SHAPES: dict[str, tuple[int, Callable[..., Type1Set]]] = {
     "triangularShape": (3, Triangular),
@@ -98,7 +98,7 @@ SHAPES: dict[str, tuple[int, Callable[..., Type1Set]]] = {
         2,
         lambda mean, sigma: TwoSidedGaussian((mean, mean), (math.inf, abs(sigma))),
     ),
-    # Where the parameters are not in order, JFML makes a step at the first one.
+    # If the parameters are not in order, JFML makes a step at the first one.
     "sShape": (2, lambda a, b: PiShaped(a, max(a, b), math.inf, math.inf)),
     "zShape": (2, lambda a, b: PiShaped(-math.inf, -math.inf, a, max(a, b))),
     "piShape": (2, lambda foot, top: PiShaped(foot, top, top, top + (top - foot))),
@@ -146,7 +146,7 @@ ATTRIBUTES: dict[str, tuple[str, ...]] = {
 
 
 def named_shape(term: Type1Set) -> tuple[str, tuple[float, ...]] | None:
-    """Return the name and the parameters of a set's shape, None if FML has no such shape."""
+    """Return name and parameters of a set's shape; None if FML does not have the shape."""
     return next((name(term) for kind, name in _NAMES.items() if isinstance(term, kind)), None)
 
 

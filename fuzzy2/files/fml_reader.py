@@ -1,4 +1,4 @@
-"""An FML document, read into a description."""
+"""Reader of an FML document, which makes a description."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _OUTPUTS = {"mamdani": "fuzzyVariable", "tsk": "tskVariable", "tsukamoto": "tsuk
 
 
 class FmlReader(FmlElements):
-    """One document, read into elements and then into a description."""
+    """Reader of one document, which makes elements and then a description."""
 
     def system(self, text: str) -> FuzzySystem | AnYaSystem:
         """Return the system that the document describes."""
@@ -84,7 +84,7 @@ class FmlReader(FmlElements):
             raise self.malformed(root.line, str(error)) from error
 
     def _bases(self, root: Element) -> tuple[Element, Element]:
-        """Return the knowledge base and the rule base, one of each."""
+        """Return the knowledge base and the rule base; a document must have one of each."""
         if root.name != "fuzzySystem":
             raise self.malformed(root.line, f"expected <fuzzySystem>, got <{root.name}>")
         parts = self.children(root, "knowledgeBase", *RULE_BASES)
@@ -99,7 +99,7 @@ class FmlReader(FmlElements):
         return bases[0], rule_bases[0]
 
     def _said_by(self, base: Element) -> str:
-        """Return what kind of rule base has consequents as those of clouds."""
+        """Return the kind of rule base that has the same consequents as an AnYa rule base."""
         found = {
             kind: variable.line
             for kind, name in _OUTPUTS.items()
@@ -107,14 +107,14 @@ class FmlReader(FmlElements):
             if variable.name == name
         }
         if len(found) > 1:
-            reason = "rules of clouds say sets, numbers or sets of Tsukamoto; take one of them"
+            reason = "consequents of clouds are sets, numbers or sets of Tsukamoto; take one kind"
             raise self.refused(max(found.values()), "outputs of several kinds", reason)
         return next(iter(found), "mamdani")
 
     def _operators(
         self, rule_base: Element, kind: str, elements: list[Element], outputs: tuple[Variable, ...]
     ) -> dict[str, Any]:
-        """Return the operators of a system, which all its outputs must have in common."""
+        """Return the operators of a system, which must be the same for all its outputs."""
         if kind == "tsk":
             return {"options": {"output_ranges": None}}
         if kind == "tsukamoto":
@@ -122,7 +122,7 @@ class FmlReader(FmlElements):
         implication = self.choice(rule_base, "activationMethod", "MIN", T_NORMS)
         aggregation = self._common(elements, "accumulation", "MAX", T_CONORMS)
         reduction = self._common(elements, "defuzzifier", "COG", DEFUZZIFIERS)
-        # Of singletons between the points, a sum would know nothing.
+        # Singletons between the points of a sum would be missed.
         narrow = any(isinstance(one, Singleton) for of in outputs for one in of.terms.values())
         return {
             "implication": implication,
@@ -132,7 +132,7 @@ class FmlReader(FmlElements):
         }
 
     def _integration(self, default: str) -> dict[str, Any]:
-        """Return how centroids are found, as a document of this package says or by default."""
+        """Return how centroids are computed, as a document of this package says, or by default."""
         integration = self.own.get("integration", default)
         points = self.own.get("resolution", str(SAMPLE_POINTS))
         if integration not in INTEGRATIONS or not re.fullmatch(r"[0-9]{1,6}", points):
@@ -157,7 +157,7 @@ class FmlReader(FmlElements):
         """Return a variable, and whether it is an output."""
         if element.name == "anYaDataCloud" and not of_clouds:
             raise self.refused(
-                element.line, f"<{element.name}>", "only an <anYaRuleBase> asks for clouds"
+                element.line, f"<{element.name}>", "only an <anYaRuleBase> uses clouds"
             )
         name = self.attribute(element, "name")
         if element.name == "anYaDataCloud":
@@ -219,7 +219,7 @@ class FmlReader(FmlElements):
         return low, high
 
     def _default(self, element: Element) -> float | None:
-        """Return the output where no rule fires, by the schema 0, and None for NaN."""
+        """Return the output where no rule fires; the schema's default is 0, and NaN gives None."""
         text = self.attribute(element, "defaultValue", "0").strip()
         if text.lower() == "nan":
             return None
@@ -229,7 +229,7 @@ class FmlReader(FmlElements):
     def _check_functions(
         self, element: Element, variable: Variable, is_output: bool, inputs: int | None
     ) -> None:
-        """Refuse functions of another number of inputs, and of those of clouds, None."""
+        """Refuse functions with a wrong number of inputs; clouds allow none (None)."""
         for term in variable.terms.values() if is_output else ():
             if isinstance(term, LinearFunction) and inputs is None:
                 reason = "rules of clouds say numbers or sets; take order 0"

@@ -34,7 +34,7 @@ class FmlRules:
     ) -> None:
         self._elements, self._base = elements, base
         self._inputs, self._outputs = inputs, outputs
-        # A negation adds a term to its output, which the document does not know.
+        # A negation adds a term to its output, which is not in the document.
         self._known: Names = {
             variable.name: list(variable.terms) for variable in (*inputs, *outputs)
         }
@@ -42,10 +42,10 @@ class FmlRules:
         self._both: dict[str, int] = {}
         self._either: dict[str, int] = {}
         self.clouds: list[int] = []
-        """For each rule of an AnYa rule base the number of its cloud."""
+        """Number of the cloud of each rule of an AnYa rule base."""
 
     def operators(self) -> tuple[str, str]:
-        """Return what *and* and *or* mean; the rules, which must agree on them, are read first."""
+        """Return t-norm and t-conorm; all rules are read first, because they must agree on them."""
         found = []
         for used, attribute, default, known in (
             (self._both, "andMethod", "MIN", T_NORMS),
@@ -62,7 +62,7 @@ class FmlRules:
         return found[0], found[1]
 
     def aggregate(self, variable: Element) -> None:
-        """Take a variable whose terms are made of those of others."""
+        """Add a variable whose terms are made from those of others."""
         elements = self._elements
         terms: dict[str, Antecedent] = {}
         for child in elements.children(variable, "aggregatedFuzzyTerm"):
@@ -99,7 +99,7 @@ class FmlRules:
         used.setdefault(name, element.line)
 
     def rules(self) -> tuple[DescribedRule, ...]:
-        """Return the rules; one with *else* makes two."""
+        """Return the rules; a rule with *else* becomes two."""
         base, elements = self._base, self._elements
         names = _TSK if base.name == "tskRuleBase" else _MAMDANI
         if base.name == "anYaRuleBase":
@@ -149,7 +149,7 @@ class FmlRules:
             return Is(len(self.clouds) - 1, 0)
         parts = tuple(self._clause(child) for child in elements.children(antecedent, "clause"))
         if not parts:
-            raise elements.malformed(rule.line, "the rule asks for nothing")
+            raise elements.malformed(rule.line, "the rule has no antecedent")
         connector = elements.attribute(rule, "connector", "and").lower()
         if connector not in ("and", "or"):
             raise elements.malformed(
@@ -217,7 +217,7 @@ class FmlRules:
                 raise elements.refused(
                     clause.line,
                     f"two clauses about {variable.name!r}",
-                    "a rule says one thing of each output",
+                    "a rule has one consequent for each output",
                 )
             modifier = clause.attributes.get("modifier", "").lower()
             if modifier not in ("", "not"):

@@ -28,7 +28,7 @@ class FmlTerms:
         self._elements = elements
 
     def sets(self, variable: Element, kind: str, domain: tuple[float, float]) -> dict[str, Any]:
-        """Return the sets of a variable, those made of others after them."""
+        """Return the sets of a variable; sets that are made from others are defined last."""
         circular: dict[str, Element] = {}
 
         def read(term: Element) -> Any:
@@ -68,7 +68,7 @@ class FmlTerms:
         circular: dict[str, Element],
         within: tuple[str, ...],
     ) -> Any:
-        """Return a term, which is defined first if it is made of others."""
+        """Return a term, which is defined first if it is made from others."""
         if terms.get(name) is not None:
             return terms[name]
         term = circular[name]
@@ -164,8 +164,8 @@ class FmlTerms:
             raise elements.malformed(shape.line, "expected at least one <point>")
         if method == "lagrange":
             return self._polynomial(shape, pairs, domain)
-        # Beyond its points such a shape keeps the first and the last grade, a sampled set has the
-        # grade 0.
+        # Beyond its points such a shape keeps its first and last grade, whereas a sampled set is 0
+        # there.
         if pairs[0][0] > domain[0] and pairs[0][1] != 0.0:
             pairs.insert(0, (domain[0], pairs[0][1]))
         if pairs[-1][0] < domain[1] and pairs[-1][1] != 0.0:
@@ -187,6 +187,6 @@ class FmlTerms:
                 total = total + y[k] * factors.prod(axis=-1)
             return total
 
-        # Between its points it may leave [0, 1], where grades end.
+        # The polynomial may leave [0, 1] between the points, so grades are limited.
         inside = [float(one) for one in x if math.isfinite(one)]
         return FunctionalSet(lambda at: np.clip(polynomial(at), 0.0, 1.0), *domain, tuple(inside))

@@ -1,4 +1,4 @@
-"""A description, written as an FML document."""
+"""Writer of a description as an FML document."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from fuzzy2.systems.hedges import Hedge
 def document_of(
     description: Description, name: str, clouds: AnYaSystem | None = None
 ) -> ElementTree.Element:
-    """Return the document of a description, which may be that of the consequents of clouds."""
+    """Return the document of a description, or of the consequents of data clouds."""
     if description.type2:
         _refuse("an interval type-2 system", "the standard has type-1 sets only; use JSON or .fis")
     if description.aggregation == SUM and description.mamdani:
@@ -80,7 +80,7 @@ def document_of(
 
 
 def _inputs(description: Description, clouds: AnYaSystem | None) -> tuple[Variable, ...]:
-    """Return the inputs of the document; those of clouds have no terms."""
+    """Return the inputs of the document; clouds have no terms."""
     if clouds is None:
         return description.inputs
     check_clouds(description, clouds)
@@ -181,8 +181,8 @@ def _write_rules(root: ElementTree.Element, description: Description, kind: str)
         if flat is None:
             _refuse("a rule with and and or, or with a negated group", "a rule has either")
         if not flat[1]:
-            _refuse("a rule that asks for nothing", "a rule has at least one clause")
-        # A rule's own andMethod is MIN if it does not say so, and its orMethod MAX.
+            _refuse("a rule without an antecedent", "a rule has at least one clause")
+        # The default of a rule's andMethod is MIN, and that of its orMethod is MAX.
         words = {"andMethod": both, "orMethod": either, "connector": "or" if flat[0] else "and"}
         weight = {} if rule.weight == 1.0 else {"weight": _number(rule.weight)}
         written = ElementTree.SubElement(
@@ -224,5 +224,5 @@ def _modifier(changes: tuple[str | Hedge, ...]) -> str:
 
 
 def _number(value: float | None, missing: str = "") -> str:
-    # The digits that give back the same float.
+    # Enough digits to read back the same float.
     return missing if value is None else repr(float(value))

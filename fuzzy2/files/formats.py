@@ -1,4 +1,4 @@
-"""Files of all formats: what is in a file says how it is read, its name how it is written."""
+"""Files of all formats: the content selects the reader, and the suffix selects the writer."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from fuzzy2.systems.system import FuzzySystem
 
 
 class Format(NamedTuple):
-    """A format: its suffixes, what tells it by the text, and how it is read and written."""
+    """A format: its suffixes, how its text is recognized, and how it is read and written."""
 
     suffixes: tuple[str, ...]
     is_text: Callable[[str], bool]
@@ -51,41 +51,41 @@ FORMATS = (
     Format((".fll",), lambda text: _ENGINE.search(text) is not None, read_fll, write_fll),
     Format((".fcl",), lambda text: _FUNCTION_BLOCK.search(text) is not None, read_fcl, write_fcl),
 )
-"""The formats, in the order in which a text is tried."""
+"""The formats, in the order in which they are tried on a text."""
 
 SUFFIXES = tuple(suffix for one in FORMATS for suffix in one.suffixes)
 """Suffixes of all formats."""
 
 
 def load(path: str | os.PathLike[str], **options: Any) -> Any:
-    """Return what a file describes, whatever its format.
+    """Return the content of a file, whatever its format.
 
-    What is in the file decides: JSON, FML, ``.fis`` with its kin ``.t2fis``, ``.fll`` or ``.fcl``.
-    If that says nothing, the suffix does.
+    The format is recognized by the content of the file: JSON, FML, ``.fis`` or ``.t2fis``, ``.fll``
+    or ``.fcl``. If the content is not conclusive, the suffix decides.
 
     Parameters
     ----------
     path : str or path-like
         The file.
     **options
-        What the reader of the format takes: ``dialect="octave"`` for ``.fis``, see
+        Options of the format's reader: ``dialect="octave"`` for ``.fis``, see
         :mod:`fuzzy2.files.fis`; ``block`` and ``dialect`` for ``.fcl``, see
         :mod:`fuzzy2.files.fcl`.
 
     Returns
     -------
     FuzzySystem, or set or list of Rule
-        A system; of JSON, whatever was saved.
+        A system; for JSON, the object that was saved.
 
     Raises
     ------
     MalformedFile
-        If it is of no format that is known, or not as its format prescribes; ``place`` is the
-        line, or the path within a JSON document.
+        If the format is unknown, or the file violates it; ``place`` is the line, or the path within
+        a JSON document.
     NotExpressible
-        If it describes what a system here cannot be; it names the line.
+        If this package cannot represent the system; the message names the line.
     OSError
-        If it cannot be read.
+        If the file cannot be read.
     """
     text = read_text(named_path(path))
     found = next((one for one in FORMATS if one.is_text(text)), None) or _by_suffix(path)
@@ -93,32 +93,32 @@ def load(path: str | os.PathLike[str], **options: Any) -> Any:
         raise MalformedFile(
             str(path),
             "line 1",
-            "it is no JSON, no FML and no .fis, and its name says nothing: known are "
+            "it is not JSON, FML or .fis, and its suffix is not known: known are "
             + ", ".join(SUFFIXES),
         )
     return found.read(path, **options)
 
 
 def save(thing: Any, path: str | os.PathLike[str], **options: Any) -> None:
-    """Write a system, a set or rules to a file, in the format of its suffix, whole or not at all.
+    """Write a system, a set or rules to a file, in the format of its suffix.
 
     Parameters
     ----------
     thing : FuzzySystem, or set or sequence of Rule
-        What is to be written; all but systems can be written as JSON only.
+        The object to write; objects other than systems can only be written as JSON.
     path : str or path-like
-        The file; one that exists is replaced. Without a suffix it is JSON.
+        The file; an existing file is replaced. The format is JSON if there is no suffix.
     **options
-        What the writer of the format takes: ``dialect="octave"`` for ``.fis``.
+        Options of the format's writer: ``dialect="octave"`` for ``.fis``.
 
     Raises
     ------
     UnknownName
-        If the suffix is of no format.
+        If the suffix is not that of a known format.
     NotExpressible
-        If the format has no way to write it.
+        If the format cannot express the object.
     FileNotWritten
-        If the file cannot be written; what was there before remains.
+        If the file cannot be written; an existing file is kept.
     """
     suffix = Path(named_path(path)).suffix
     found = _by_suffix(path) if suffix else FORMATS[0]

@@ -1,4 +1,4 @@
-"""Terms of outputs that say a number, of the inputs or not, for an engine."""
+"""Terms of outputs that are numbers or functions of the inputs, for an engine."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from fuzzy2.files.description import Constant, LinearFunction
 
 
 class FormulaFunction(NamedTuple):
-    """Consequent that is a formula of the inputs, and of other outputs."""
+    """Consequent that is a formula of the inputs and of other outputs."""
 
     text: str
 
 
 NUMBERS = Constant | LinearFunction | FormulaFunction
-"""Terms that say a number."""
+"""Terms that are numbers or functions."""
 
 
 def formula_of(term: Any, inputs: Sequence[str]) -> str:
-    """Return what a rule says as a formula, 0 where it is silent (None)."""
+    """Return a consequent as a formula; 0 for a missing consequent (None)."""
     match term:
         case None:
             return "0"

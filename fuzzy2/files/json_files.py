@@ -1,20 +1,21 @@
 r"""Sets, rule bases and systems as JSON, without pickle.
 
-A file can describe them, and do nothing else.
+A file only describes objects, so reading it cannot run code.
 
-A document is an object with ``"format": "fuzzy2"``, the ``"version"`` of the schema, and the thing
-itself: its class under ``"type"``, and beside it the arguments of the constructor by name::
+A document is an object with ``"format": "fuzzy2"``, the ``"version"`` of the schema, the class of
+the saved object under ``"type"``, and the arguments of its constructor by name::
 
     {"format": "fuzzy2", "version": 1, "type": "GaussianUncertainMean",
      "mean": [-0.5, 0.5], "sigma": 2.0}
 
-A set within a set or a system is such an object without format and version. Numbers are written
-with the digits that give back the same float, bit for bit; infinite ones are the strings ``"inf"``
-and ``"-inf"``. Arguments with a default may be left out. A rule base is of the type ``"RuleBase"``
-and has ``"rules"``, a list of texts (see :mod:`fuzzy2.systems.rules`). The JSON Schema of it all is
-shipped as ``fuzzy2/files/schema.json``.
+A set within a set or a system is such an object without format and version. Numbers have enough
+digits to read back the same float bit for bit; infinite numbers are the strings ``"inf"`` and
+``"-inf"``. Arguments with a default may be left out. A rule base has the type ``"RuleBase"`` and
+``"rules"``, a list of texts (see :mod:`fuzzy2.systems.rules`). The JSON Schema of documents is
+``fuzzy2/files/schema.json``.
 
-What a Python function defines, like a `FunctionalSet`, cannot be written: sample it first.
+An object that is defined by a Python function, such as a `FunctionalSet`, cannot be written; sample
+it first.
 """
 
 from __future__ import annotations
@@ -80,17 +81,17 @@ from fuzzy2.systems.rules import Rule, parse_rule, unknown_name
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 
 FORMAT: Final = "fuzzy2"
-"""Tag by which a document says what it is."""
+"""Tag that identifies a document."""
 
 SCHEMA_VERSION: Final = 1
-"""Version of the schema that is written, and the only one that is read so far."""
+"""Version of the schema that is written, and so far the only one that is read."""
 
 RULE_BASE: Final = "RuleBase"
 """Type of a document that holds rules."""
 
 
 def _thing(base: type | tuple[type, ...], name: str) -> Kind:
-    """Return the kind of objects with a type, which must be a subclass of ``base``."""
+    """Return the kind of objects with a type that is a subclass of ``base``."""
 
     def read(value: Json, path: str) -> object:
         thing = _read_object(value, path)
@@ -98,7 +99,7 @@ def _thing(base: type | tuple[type, ...], name: str) -> Kind:
             raise malformed(f"{path}.type", f"expected {name}, got {type(thing).__name__!r}")
         return thing
 
-    # Both functions are defined below, because the table that they look into needs the kinds.
+    # Both functions are defined below, because their table needs the kinds.
     return Kind(lambda value, path: _write_object(value, path), read)
 
 
@@ -297,7 +298,7 @@ def _read_object(value: Json, path: str) -> object:
         if field in value
     }
     if issubclass(classes[name], FuzzySystem):
-        # As all systems did when there was no such field.
+        # Systems behaved like this before the field existed.
         arguments.setdefault("integration", "sum")
     try:
         return classes[name](**arguments)
@@ -306,7 +307,7 @@ def _read_object(value: Json, path: str) -> object:
 
 
 def _place(error: Fuzzy2Error, fields: Mapping[str, Kind]) -> str:
-    """Return where in an object the constructor found fault."""
+    """Return the place in an object where the constructor found an error."""
     name = error.name if isinstance(error, InvalidValue) else ""
     if name in fields:
         return f".{name}"
@@ -319,7 +320,7 @@ def _place(error: Fuzzy2Error, fields: Mapping[str, Kind]) -> str:
 
 def _optional(of: type) -> frozenset[str]:
     """Return the arguments of a constructor that have a default."""
-    # A system passes options that it does not use itself on to its base.
+    # A system passes options that it does not use on to its base class.
     constructors = (of, FuzzySystem) if issubclass(of, FuzzySystem) else (of,)
     parameters = [
         parameter
@@ -337,7 +338,7 @@ def to_json(thing: object) -> dict[str, Json]:
     Parameters
     ----------
     thing : set, system, or sequence of Rule
-        What is to be written.
+        The object to write.
 
     Returns
     -------
@@ -347,7 +348,8 @@ def to_json(thing: object) -> dict[str, Json]:
     Raises
     ------
     NotExpressible
-        If it is, or contains, something that only a Python function defines; it says where.
+        If the object is, or contains, something that is defined by a Python function; the message
+        says where.
     """
     head: dict[str, Json] = {"format": FORMAT, "version": SCHEMA_VERSION}
     if isinstance(thing, Sequence) and thing and all(isinstance(rule, Rule) for rule in thing):
@@ -356,7 +358,7 @@ def to_json(thing: object) -> dict[str, Json]:
 
 
 def from_json(document: Mapping[str, Json]) -> Any:
-    """Return what a JSON document describes; the inverse of :func:`to_json`.
+    """Return the object of a JSON document; the inverse of :func:`to_json`.
 
     Parameters
     ----------
@@ -366,12 +368,12 @@ def from_json(document: Mapping[str, Json]) -> Any:
     Returns
     -------
     set, system, or list of Rule
-        What it describes.
+        The object.
 
     Raises
     ------
     MalformedFile
-        If it is no such document; ``place`` is the path within it, such as
+        If it is not such a document; ``place`` is the path within it, such as
         ``$.inputs[0][1].sigma``.
     """
     if not isinstance(document, Mapping):
@@ -408,21 +410,21 @@ def _read_rules(content: dict[str, Json]) -> list[Rule]:
 
 
 def save(thing: object, path: str | os.PathLike[str]) -> None:
-    """Write a set, a rule base or a system to a JSON file, whole or not at all.
+    """Write a set, a rule base or a system to a JSON file.
 
     Parameters
     ----------
     thing : set, system, or sequence of Rule
-        What is to be written.
+        The object to write.
     path : str or path-like
-        The file; one that exists is replaced.
+        The file; an existing file is replaced.
 
     Raises
     ------
     NotExpressible
-        If it cannot be written as JSON; see :func:`to_json`.
+        If the object cannot be written as JSON; see :func:`to_json`.
     FileNotWritten
-        If the file cannot be written; what was there before remains.
+        If the file cannot be written; an existing file is kept.
     """
     write_text(
         json.dumps(to_json(thing), indent=2, ensure_ascii=False, allow_nan=False) + "\n", path
@@ -430,7 +432,7 @@ def save(thing: object, path: str | os.PathLike[str]) -> None:
 
 
 def load(path: str | os.PathLike[str]) -> Any:
-    """Return what a JSON file describes.
+    """Return the object of a JSON file.
 
     Parameters
     ----------
@@ -440,15 +442,15 @@ def load(path: str | os.PathLike[str]) -> Any:
     Returns
     -------
     set, system, or list of Rule
-        What it describes.
+        The object.
 
     Raises
     ------
     MalformedFile
-        If it is not JSON (``place`` is the line and column), or no such document (``place`` is the
-        path within it).
+        If it is not JSON (``place`` is the line and column), or not such a document (``place`` is
+        the path within it).
     OSError
-        If it cannot be read.
+        If the file cannot be read.
     """
     document = parse_json(read_text(path), str(path))
     try:

@@ -1,4 +1,4 @@
-"""Kinds of values in JSON documents: how one is written at a path, and read from it."""
+"""Kinds of values in JSON documents, with their readers and writers."""
 
 from __future__ import annotations
 
@@ -13,16 +13,15 @@ from fuzzy2.errors import MalformedFile, NotExpressible, in_words
 from fuzzy2.systems.rules import unknown_name
 
 LARGEST_INTEGER: Final = 2**31 - 1
-"""Largest whole number that is read; there are no such large rule bases or grids."""
+"""Largest whole number that is read; no rule base or grid is that large."""
 
 Json = Any
-"""What ``json`` makes of a document: dictionaries, lists, strings, numbers, True, False and
-None.
+"""Values that ``json`` returns: dictionaries, lists, strings, numbers, True, False and None.
 """
 
 
 class Kind(NamedTuple):
-    """How a value of one kind is written at a path of the document, and read from it."""
+    """Reader and writer of one kind of value at a path of the document."""
 
     write: Callable[[Any, str], Json]
     read: Callable[[Json, str], Any]
@@ -34,10 +33,10 @@ def malformed(path: str, reason: str) -> MalformedFile:
 
 
 def shown(value: Json) -> str:
-    """Return a value as messages show it, cut to 60 characters."""
+    """Return a value as messages show it, cut off after 60 characters."""
     try:
         text = json.dumps(value, ensure_ascii=False, default=repr)
-    except (TypeError, ValueError, RecursionError):  # numbers of thousands of digits, for one
+    except (TypeError, ValueError, RecursionError):  # e.g. numbers of thousands of digits
         text = in_words(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
 
@@ -67,7 +66,7 @@ def _read_any_number(value: Json, path: str) -> float:
 
 
 def or_none(kind: Kind) -> Kind:
-    """Return the kind of things of one kind that may be missing, which is written null."""
+    """Return the kind of optional values of another kind; a missing value is written as null."""
     return Kind(
         lambda value, path: None if value is None else kind.write(value, path),
         lambda value, path: None if value is None else kind.read(value, path),
@@ -75,14 +74,14 @@ def or_none(kind: Kind) -> Kind:
 
 
 def read_list(value: Json, path: str) -> list[Json]:
-    """Return a list as it is; refuse all else."""
+    """Return a list unchanged; refuse anything else."""
     if not isinstance(value, list):
         raise malformed(path, f"expected a list, got {shown(value)}")
     return value
 
 
 def list_of(kind: Kind) -> Kind:
-    """Return the kind of lists of things of one kind."""
+    """Return the kind of lists of values of one kind."""
     return Kind(
         lambda values, path: [kind.write(value, f"{path}[{i}]") for i, value in enumerate(values)],
         lambda values, path: [
@@ -92,7 +91,7 @@ def list_of(kind: Kind) -> Kind:
 
 
 def mapping_of(kind: Kind, what: str) -> Kind:
-    """Return the kind of values by name."""
+    """Return the kind of objects with values of one kind by name."""
 
     def read(value: Json, path: str) -> dict[str, Any]:
         if not isinstance(value, dict):
@@ -106,7 +105,7 @@ def mapping_of(kind: Kind, what: str) -> Kind:
 
 
 def pair_of(kind: Kind) -> Kind:
-    """Return the kind of lists of two things of one kind."""
+    """Return the kind of lists of two values of one kind."""
     listed = list_of(kind)
 
     def read(values: Json, path: str) -> Any:
@@ -128,9 +127,9 @@ def _depth(value: Json) -> int:
 
 
 def table_of(of: Kind, name: str, *dimensions: int) -> Kind:
-    """Return the kind of nested lists whose rows are alike.
+    """Return the kind of nested lists whose rows have equal lengths.
 
-    They have one of some numbers of dimensions.
+    The number of dimensions must be one of the given numbers.
     """
 
     def write(values: Any, path: str) -> Json:
@@ -159,7 +158,7 @@ def table_of(of: Kind, name: str, *dimensions: int) -> Kind:
 
 
 def choice_of(known: Iterable[str], name: str) -> Kind:
-    """Return the kind of strings among some."""
+    """Return the kind of strings that are among the given ones."""
 
     def read(value: Json, path: str) -> str:
         if _read_text(value, path) not in known:
@@ -170,7 +169,7 @@ def choice_of(known: Iterable[str], name: str) -> Kind:
 
 
 def norm_of(known: Mapping[str, Any], name: str) -> Kind:
-    """Return the kind of norms, written by name."""
+    """Return the kind of norms, which are written by name."""
 
     def write(value: Any, path: str) -> Json:
         written = value.name
@@ -201,7 +200,7 @@ NUMBER = Kind(_write_number, _read_number)
 """Finite numbers."""
 
 ANY_NUMBER = Kind(_write_number, _read_any_number)
-"""Numbers of which some may be infinite."""
+"""Numbers, which may be infinite."""
 
 INTEGER = Kind(lambda value, path: value, _read_integer)
 TRUTH = Kind(lambda value, path: bool(value), _read_truth)

@@ -1,4 +1,4 @@
-"""Rules of a system in JSON: numbers of terms, or trees.
+"""Rules of a system in JSON, as numbers of terms or as trees.
 
 A tree is ``{"is": [input, term]}`` (``null`` for any term), ``{"and": [...]}``, ``{"or": [...]}``,
 ``{"not": ...}``, or ``{"hedge": "very", "power": 2.0, "of": ...}``, in which

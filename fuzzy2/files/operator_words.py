@@ -1,4 +1,4 @@
-"""Words of formats for operators, and operators for which no format has one."""
+"""Names of operators in the formats, and operators that no format can express."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from fuzzy2.systems.system import FuzzySystem
 
 
 def check_operators(system: FuzzySystem, where: str) -> None:
-    """Refuse operators without a name, for which no format has a word.
+    """Refuse operators without a name, which no format can express.
 
     Raises
     ------
@@ -31,12 +31,12 @@ def check_operators(system: FuzzySystem, where: str) -> None:
 
 
 def known_as(name: str, known: Mapping[str, str], what: str, where: str) -> str:
-    """Return the word of a format for one of our names, the first one in its table.
+    """Return a format's name for one of our names, the first one in its table.
 
     Raises
     ------
     NotExpressible
-        If it has none.
+        If the format has no such name.
     """
     word = next((theirs for theirs, ours in known.items() if ours == name), None)
     if word is None:

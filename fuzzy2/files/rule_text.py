@@ -1,4 +1,4 @@
-"""Rules of fuzzylite and IEC 61131-7, by the grammar of rules in words, for an engine."""
+"""Rules of fuzzylite and IEC 61131-7, parsed by the grammar of rules in words, for an engine."""
 
 from __future__ import annotations
 
@@ -24,27 +24,27 @@ def rules_of(
     operators: tuple[str | None, str | None, str | None],
     any_case: bool = False,
 ) -> list[EngineRule]:
-    """Return the rules that a line states: one, or one for each thing it says of an output.
+    """Return the rules of a line: one rule for each conclusion.
 
     Parameters
     ----------
     text : str
         The rule.
     place : int
-        Its line.
+        Line number of the rule.
     hedges : mapping
-        Hedges that the format knows.
+        Hedges of the format.
     variables : pair of mappings
         Terms of the inputs and of the outputs.
     operators : (str, str, str)
-        Conjunction, disjunction and implication of its block, None where it has none.
+        Conjunction, disjunction and implication of its block; None if it has none.
     any_case : bool
-        Whether upper and lower case are the same in names.
+        Whether names are case-insensitive.
 
     Raises
     ------
     InvalidRule
-        If it is no rule, or has names that there are not.
+        If the text is not a rule, or uses unknown names.
     """
     try:
         return _rules_of(text, place, hedges, variables, operators, any_case)
@@ -70,11 +70,11 @@ def _rules_of(
 
     def check(variable: str, term: str | None, known: Names, kind: str) -> None:
         if variable not in known:
-            raise InvalidRule(1, text, f"speaks of an {unknown_name(kind, variable, known)}")
+            raise InvalidRule(1, text, f"refers to an {unknown_name(kind, variable, known)}")
         if term is not None and term not in known[variable]:
             names = known[variable]
             raise InvalidRule(
-                1, text, f"speaks of an {unknown_name(f'term of {variable}', term, names)}"
+                1, text, f"refers to an {unknown_name(f'term of {variable}', term, names)}"
             )
 
     for clause in leaves(tree):
@@ -83,7 +83,7 @@ def _rules_of(
     for variable, words, said in conclusions:
         check(variable, said, outputs, "output")
         if words and weight != 1.0:
-            raise InvalidRule(1, text, "hedges what it says and has a weight")
+            raise InvalidRule(1, text, "has both a hedge in its conclusion and a weight")
     return concluded(tree, conclusions, hedges, place, weight, operators)
 
 
@@ -95,9 +95,9 @@ def concluded(
     weight: float,
     operators: tuple[str | None, str | None, str | None],
 ) -> list[EngineRule]:
-    """Return the rules of a condition and of what it says: variables, hedges before, and terms.
+    """Return the rules of a condition and its conclusions (variables, hedges before, and terms).
 
-    A hedge goes on to what is said after it, as in fuzzylite.
+    A hedge also applies to the following conclusions, as in fuzzylite.
     """
     passes: list[tuple[Antecedent, list[tuple[str, str]]]] = [(tree, [])]
     for variable, words, term in conclusions:
@@ -112,7 +112,7 @@ def concluded(
 
 
 def _cased(variable: str, term: Any, known: Names) -> tuple[str, Any]:
-    """Return the names that are meant, whatever their case; as they are if there are none."""
+    """Return known names for names in any case; unknown names are returned unchanged."""
     variable = next((one for one in known if one.lower() == variable.lower()), variable)
     if term is None or term in known.get(variable, ()):
         return variable, term

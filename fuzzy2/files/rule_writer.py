@@ -1,4 +1,4 @@
-"""Antecedents as text of fuzzylite and IEC 61131-7."""
+"""Antecedents as text in the syntax of fuzzylite and IEC 61131-7."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ def written(
     Parameters
     ----------
     tree : And, Or, Not, Hedged or Is
-        By names.
+        The antecedent, with names.
     hedges : mapping
         Hedges of the format.
     clause : callable
-        How it writes a clause.
+        Function that writes a clause.
     where : str
         The format.
     negation : bool
-        Whether it has a word for *not* before a parenthesis.
+        Whether the format allows *not* before a parenthesis.
 
     Raises
     ------
     NotExpressible
-        If the format has no word for a part.
+        If the format cannot express a part.
     """
 
     def text(one: Antecedent, within: str) -> str:
@@ -68,9 +68,9 @@ def written(
 def outer_words(
     tree: Antecedent, hedges: Mapping[str, Hedge], where: str
 ) -> tuple[Antecedent, list[str]]:
-    """Return the joint condition within ``not`` and hedges, and these from left to right.
+    """Return the condition within ``not`` and hedges, and these modifiers from left to right.
 
-    Of a single clause it is all of it, and there are no words.
+    A single clause is returned as a whole, without modifiers.
     """
     words: list[str] = []
     inner = tree
@@ -81,12 +81,12 @@ def outer_words(
 
 
 def word_of(hedge: Hedge, hedges: Mapping[str, Hedge], where: str) -> str:
-    """Return the word of a format for a hedge.
+    """Return a format's name for a hedge.
 
     Raises
     ------
     NotExpressible
-        If it has none.
+        If the format has no such name.
     """
     for word, known in hedges.items():
         if hedge.power == known.power and hedge.function is known.function:

@@ -1,4 +1,4 @@
-"""Systems learned from data."""
+"""Fuzzy systems learned from data."""
 
 from __future__ import annotations
 

@@ -1,27 +1,27 @@
-r"""Online adaptation of what rules say: recursive least squares with forgetting, bounded.
+r"""Online adaptation of consequents: bounded recursive least squares with forgetting.
 
 At an input x the crisp output of a system is linear in its consequents, with the fuzzy basis
-functions for factors,
+functions as coefficients,
 
 .. math:: y(x) = \tfrac12 \sum_r \left(\phi^l_r(x)\, c^l_r + \phi^r_r(x)\, c^r_r\right), \qquad
           \phi_r = \frac{w_r}{\sum_s w_s},
 
-where w are the weights at which the left and the right end of the type-reduced interval are
-attained: upper firing strengths up to the switch point and lower ones after it, or the other way
-round; those of a type-1 system are its firing strengths. So samples that come one by one correct
-the consequents by recursive least squares. They minimize, for each output,
+where w are the weights at which the left or the right end of the type-reduced interval is attained:
+upper firing strengths up to the switch point and lower ones after it, or the reverse. For a type-1
+system they are the firing strengths. So recursive least squares can correct the consequents with
+one sample after another. For each output they minimize
 
 .. math:: \sum_{n=1}^{N} \lambda^{N-n} \left(y_n - \phi_n^T c\right)^2
           + \kappa\, \lVert c - c_0 \rVert^2,
 
-old samples fade with the forgetting factor :math:`\lambda`, and :math:`c_0`, what was trained,
-keeps its weight :math:`\kappa`. Without that weight, exponential forgetting loses what rules knew
-that do not fire for a while, and their covariance grows without bound until the next sample throws
-them off (wind-up). With it the covariance never exceeds :math:`1/\kappa`, and rules that do not
-fire any more go back to what they were trained to say.
+Old samples fade with the forgetting factor :math:`\lambda`, and the trained consequents :math:`c_0`
+keep their weight :math:`\kappa`. Without that weight, exponential forgetting would lose the
+consequents of rules that do not fire for a while, and their covariance would grow without bound
+until the next sample throws them off (wind-up). With it, the covariance never exceeds
+:math:`1/\kappa`, and rules that no longer fire return to their trained consequents.
 
-The switch points depend on the consequents. Each sample is entered with those of its time, which
-makes the problem linear; a type-1 system has none, and for that the minimum is exact.
+The switch points depend on the consequents. Each sample is used with the switch points at its time,
+which makes the problem linear. A type-1 system has no switch points, so its minimum is exact.
 
 Sources: L.-X. Wang and J. M. Mendel, "Fuzzy basis functions, universal approximation, and
 orthogonal least-squares learning", IEEE Transactions on Neural Networks 3(5), 1992; J. M. Mendel,
@@ -50,27 +50,26 @@ class AdaptiveConsequents(Described):
     Parameters
     ----------
     system : Type1System or IntervalType2System
-        What was trained: center of sets, a t-norm that has a name, Gaussian, triangular or
-        trapezoidal terms, and consequents that are numbers or intervals. It stays as it is.
+        The trained system, with center of sets, a named t-norm, Gaussian, triangular or trapezoidal
+        terms, and consequents that are numbers or intervals. It is not changed.
     forgetting : float
-        :math:`\lambda`, in (0, 1]: a sample counts half after :math:`\log 2 / (1 - \lambda)`
-        others.
+        Forgetting factor :math:`\lambda`, in (0, 1]: a sample has half its weight after :math:`\log
+        2 / (1 - \lambda)` others.
     trust : float
-        :math:`\kappa`, above 0: what was trained counts as much as so many samples that fire a
-        single rule.
+        Weight :math:`\kappa` of the trained consequents, above 0. They weigh as much as
+        :math:`\kappa` samples that each fire a single rule.
     bounds : pair of array_like, optional
-        Least and greatest consequents, each of a shape that broadcasts to that of the system's
-        consequents, (R, m) or (R, m, 2). The minimum is then that within them. By default there are
-        none.
+        Least and greatest consequents. Their shapes broadcast to that of the system's consequents,
+        (R, m) or (R, m, 2). The minimum is then taken within these bounds. There are no bounds by
+        default.
 
     Raises
     ------
     NotApplicable
-        If the output of the system is not of the form above, or cannot be computed by the compiled
-        loop.
+        If the output of the system does not have the form above, or the compiled loop cannot
+        compute it.
     InvalidValue
-        If a number is outside of what it can be, or the trained consequents are outside of the
-        bounds.
+        If an argument is outside its range, or the trained consequents are outside the bounds.
     """
 
     def __init__(
@@ -124,7 +123,7 @@ class AdaptiveConsequents(Described):
         )
 
     def reset(self) -> None:
-        """Go back to what was trained, and forget all samples."""
+        """Return to the trained consequents, and forget all samples."""
         outputs, _, rules = self._trained.shape
         size = self._prior.size
         self._information, self._right, self._moved = (
@@ -136,26 +135,26 @@ class AdaptiveConsequents(Described):
         self._orders = np.tile(np.arange(rules, dtype=np.int64), (outputs, 2, 1))
 
     def update(self, X: ArrayLike, y: ArrayLike) -> Array:
-        """Learn from one sample, or from several in their order.
+        """Learn from one sample, or from several samples in order.
 
         Parameters
         ----------
         X : (..., p) array_like
             Inputs.
         y : (..., m) array_like
-            Outputs that were measured there.
+            Measured outputs.
 
         Returns
         -------
         (..., m) ndarray
-            By how much the system missed each of them before it learned from it. NaN where no rule
-            fires: such a sample says nothing about any rule, and is passed over.
+            Error of the system at each sample before it learned from the sample. NaN where no rule
+            fires; such a sample does not affect any rule and is skipped.
 
         Raises
         ------
         InvalidValue
-            If inputs or outputs are not finite or of another shape; then none of them has been
-            learned from.
+            If inputs or outputs are not finite or have a wrong shape. None of the samples has then
+            been used.
         """
         from fuzzy2.learning import adaptation_kernels
 
@@ -190,12 +189,12 @@ class AdaptiveConsequents(Described):
     def __call__(self, X: ArrayLike) -> Array:
         """Return the crisp outputs (..., m) at inputs (..., p), as :attr:`system` does.
 
-        The consequents are those of now.
+        The current consequents are used.
 
         Raises
         ------
         InvalidValue
-            If the inputs are not finite or of another shape.
+            If the inputs are not finite or have a wrong shape.
         """
         from fuzzy2.learning import adaptation_kernels
 
@@ -208,7 +207,7 @@ class AdaptiveConsequents(Described):
 
     @property
     def consequents(self) -> Array:
-        """Consequents as they are now, (R, m) or (R, m, 2) as they were trained."""
+        """Current consequents, (R, m) or (R, m, 2) like the trained ones."""
         ends = np.moveaxis(self._consequents, -1, 0)
         return ends.copy() if self._is_interval else ends[..., 0].copy()
 
@@ -216,10 +215,10 @@ class AdaptiveConsequents(Described):
     def covariance(self) -> Array:
         r"""Covariance of each output's consequents, (m, n, n), at most :math:`1/\kappa`.
 
-        It is in units of the variance of the output's samples.
+        Its unit is the variance of the output's samples.
 
-        n is R, or 2 R for intervals: left ends, then right ends. It is the inverse of the
-        least-squares problem's matrix.
+        n is R, or 2 R for intervals (left ends, then right ends). The covariance is the inverse of
+        the matrix of the least-squares problem.
         """
         upper = np.triu(self._information)
         whole = upper + np.swapaxes(np.triu(self._information, 1), -1, -2) + np.diag(self._prior)
@@ -227,7 +226,7 @@ class AdaptiveConsequents(Described):
 
     @property
     def system(self) -> FuzzySystem:
-        """A new system with the consequents as they are now, and all else as it was trained."""
+        """A new system with the current consequents; everything else is as trained."""
         return self._given.replace(consequents=self.consequents)
 
     def _rows(self, name: str, values: ArrayLike, width: int) -> tuple[Array, tuple[int, ...]]:
@@ -235,7 +234,7 @@ class AdaptiveConsequents(Described):
         array = reals(name, values)
         if array.shape[-1:] != (width,) or not np.isfinite(array).all():
             raise InvalidValue(name, array, f"finite and of shape (..., {width})")
-        # What can be written to, because numba would compile every loop anew for what cannot.
+        # Arrays are made writable, because numba would compile every loop again for read-only ones.
         rows: Array = np.require(array, np.float64, ["C", "W"]).reshape(-1, width)
         return rows, array.shape[:-1]
 
@@ -249,7 +248,7 @@ def _by_output(consequents: Array) -> Array:
 def _adaptable_table(system: FuzzySystem) -> Array:
     """Return the system as the compiled loops take it.
 
-    Or say why its consequents cannot be adapted.
+    Raise an error that says why its consequents cannot be adapted.
     """
     what = "adaptation of consequents"
     if not isinstance(system, Type1System | IntervalType2System):
@@ -261,7 +260,7 @@ def _adaptable_table(system: FuzzySystem) -> Array:
             "take their centroids",
         )
     if system.silent is not None or system.default_outputs is not None:
-        raise NotApplicable(what, "each rule must speak of every output, and there are no defaults")
+        raise NotApplicable(what, "each rule needs a consequent for every output, without defaults")
     if system.table is None:
         raise NotApplicable(
             what,

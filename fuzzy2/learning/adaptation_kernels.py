@@ -1,11 +1,11 @@
-r"""Compiled loops of online adaptation: fuzzy basis functions, and least squares that forget.
+r"""Compiled loops of online adaptation: fuzzy basis functions, and least squares with forgetting.
 
-:mod:`fuzzy2.learning.adaptation` is their face.
+:mod:`fuzzy2.learning.adaptation` calls them.
 
-The least-squares problem is kept as its information matrix :math:`\Lambda` and right side
-:math:`s`, which new rows are added to and old ones fade from; the weight of what was known before
-is added when it is solved. That weight never fades, so the matrix that is inverted is never smaller
-than it, however little the rows excite.
+The least-squares problem is stored as its information matrix :math:`\Lambda` and right side
+:math:`s`. New rows are added to them, and old ones fade. The weight of the prior is added when the
+problem is solved. It never fades, so it bounds the inverted matrix from below, however little the
+rows excite the system.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from fuzzy2.support.compiled import compiled
 from fuzzy2.systems.kernels import firing
 
 SWEEPS = 10
-"""Sweeps of coordinate descent at each solution for which the box matters."""
+"""Sweeps of coordinate descent for each solution with active bounds."""
 
 
 @compiled
 def _sort(values, order):
-    """Put the indices in ``order`` in ascending order of the values.
+    """Sort the indices in ``order`` by ascending values.
 
-    Few steps where it was nearly right before.
+    It takes few steps if the order was nearly right before.
     """
     for i in range(1, order.size):
         index = order[i]
@@ -42,7 +42,7 @@ def _sort(values, order):
 def _end(points, order, strengths, largest, left, out):
     """Write the weights of the left or right end of the generalized centroid.
 
-    They add up to 1, and the end is the average of the points with them.
+    The weights add up to 1, and the end is the average of the points with these weights.
     """
     rules = points.size
     mass, moment = 0.0, 0.0
@@ -51,7 +51,7 @@ def _end(points, order, strengths, largest, left, out):
         out[r] = strengths[2 * r] / largest
         mass += out[r]
         moment += out[r] * abs(points[r] - first)
-    # From the extreme point inward the weights become upper ones, as long as that draws the average
+    # From the extreme point inward, weights become upper ones as long as that moves the average
     # outward.
     for i in range(rules):
         r = order[i] if left else order[rules - 1 - i]
@@ -68,7 +68,7 @@ def _end(points, order, strengths, largest, left, out):
 
 @compiled
 def _is_crisp(strengths):
-    """Whether the firing strengths are numbers, as those of type-1 rules."""
+    """Return whether firing strengths are crisp, as for type-1 rules."""
     crisp = True
     for r in range(strengths.size // 2):
         crisp = crisp and strengths[2 * r] == strengths[2 * r + 1]
@@ -88,9 +88,9 @@ def basis(
 
     Return False where no rule fires.
 
-    Of each output the row of left ends comes first. Of the system in ``table`` only the antecedents
-    count. ``orders`` (2 m, R) holds any order of the rules and gets the one of the consequents,
-    where they matter; ``strengths`` (2 R,) gets the firing intervals.
+    For each output the row of left ends comes first. Only the antecedents of the system in
+    ``table`` are used. ``orders`` (2 m, R) holds any order of the rules, and receives the order of
+    the consequents where it is needed. ``strengths`` (2 R,) receives the firing intervals.
     """
     firing(table, x, 0.0, strengths)
     ends, rules = consequents.shape
@@ -100,7 +100,7 @@ def basis(
     if not largest > 0.0:
         return False
     if _is_crisp(strengths):
-        # No end of any output has other weights, whatever the order.
+        # If firing is crisp, all ends of all outputs have the same weights, whatever the order.
         first = out[0]
         _end(consequents[0], orders[0], strengths, largest, True, first)
         for row in range(ends):
@@ -118,7 +118,7 @@ def basis(
 def forget(information: Array, right: Array, factor: float) -> None:
     """Multiply the information (n, n) and the right side (n,) by a factor.
 
-    Of the information the upper triangle is kept.
+    Only the upper triangle of the information is stored.
     """
     n = right.size
     for i in range(n):
@@ -130,7 +130,7 @@ def forget(information: Array, right: Array, factor: float) -> None:
 
 @compiled
 def add(information: Array, right: Array, row: Array, residual: float, weight: float) -> None:
-    """Add a row (n,) with its residual, times a weight."""
+    """Add a row (n,) with its residual, multiplied by a weight."""
     n = right.size
     for i in range(n):
         scaled = weight * row[i]
@@ -145,9 +145,9 @@ def add(information: Array, right: Array, row: Array, residual: float, weight: f
 def solve(information: Array, right: Array, prior: Array, factor: Array, out: Array) -> bool:
     """Solve (information + diag(prior)) out = right by Cholesky's method.
 
-    ``factor`` (n, n) gets the upper factor.
+    ``factor`` (n, n) receives the upper factor.
 
-    Return whether the matrix is positive definite, which it is unless numbers overflow: the prior
+    Return whether the matrix is positive definite. It is unless numbers overflow, because the prior
     (n,) is positive.
     """
     n = right.size
@@ -157,8 +157,7 @@ def solve(information: Array, right: Array, prior: Array, factor: Array, out: Ar
             target[j] = source[j]
         target[0] += prior[i]
         out[i] = right[i]
-    # Row by row, each subtracted from those below it: along rows, because only there the compiler
-    # works on several numbers at once.
+    # Each row is subtracted from those below it, because the compiler vectorizes only along rows.
     for k in range(n):
         pivot = factor[k, k]
         if not 0.0 < pivot < math.inf:
@@ -196,12 +195,12 @@ def settle(
     gradient: Array,
     out: Array,
 ) -> None:
-    """Go on from ``out``, within the box, toward the least squares within the box.
+    """Improve ``out`` within the box, toward the least-squares solution within the box.
 
-    By sweeps of coordinate descent.
+    It uses sweeps of coordinate descent.
 
-    No step leaves the box or makes the sum of squares greater; each one goes to the best place on
-    its line. ``whole`` (n, n) and ``gradient`` (n,) are scratch space.
+    No step leaves the box or increases the sum of squares; each step goes to the best point on its
+    line. ``whole`` (n, n) and ``gradient`` (n,) are scratch space.
     """
     n = right.size
     for i in range(n):
@@ -234,7 +233,7 @@ def settle(
 
 @compiled
 def _write(row, phi, is_interval):
-    """Write the derivatives (R,) or (2 R,) of a crisp output by the consequents.
+    """Write the derivatives (R,) or (2 R,) of a crisp output with respect to the consequents.
 
     Consequents are numbers or intervals.
     """
@@ -257,10 +256,10 @@ def solve_within(
     trial: Array,
     out: Array,
 ) -> None:
-    """Solve the least-squares problem within the box, going on from ``out`` where the box matters.
+    """Solve the least-squares problem within the box, starting from ``out`` if bounds are active.
 
-    ``factor`` (n, n) and ``trial`` (n,) are scratch space. The problem changes little from sample
-    to sample, so a few sweeps from the last solution keep up with it.
+    ``factor`` (n, n) and ``trial`` (n,) are scratch space. The problem changes little between two
+    samples, so a few sweeps from the last solution suffice.
     """
     if not solve(information, right, prior, factor, trial):
         return
@@ -298,11 +297,11 @@ def learn(  # noqa: PLR0913 (compiled: plain arrays and numbers, no object)
 ) -> None:
     """Learn from samples x (N, p), y (N, m) one after the other.
 
-    Write what was missed before each was learned from, (N, m).
+    Write the errors before learning from each sample, (N, m).
 
     ``trained`` and ``consequents`` are (m, 2, R), ``information`` (m, n, n) and ``right`` (m, n)
-    with n = R for consequents that are numbers and 2 R for intervals, ``moved`` (m, n) how far they
-    are from the trained ones, between ``lower`` and ``upper``, ``prior`` (n,).
+    with n = R for consequents that are numbers and 2 R for intervals. ``moved`` (m, n) are the
+    differences to the trained consequents, between ``lower`` and ``upper``; ``prior`` is (n,).
     """
     outputs, rules = consequents.shape[0], consequents.shape[2]
     size = right.shape[1]

@@ -1,8 +1,9 @@
 r"""ANFIS: Takagi–Sugeno–Kang systems learned from samples by hybrid learning.
 
-Consequents are linear functions of the inputs, by least squares; the means and standard deviations
-of the Gaussian terms are learned around that, see :mod:`fuzzy2.learning.hybrid`. As type-1, or as
-interval type-2 with a footprint that is given and that learning cannot take away.
+Consequents are linear functions of the inputs and follow from least squares. An outer iteration
+learns the means and standard deviations of the Gaussian terms, see :mod:`fuzzy2.learning.hybrid`.
+Systems are type-1, or interval type-2 with a given footprint of uncertainty that learning does not
+change.
 
 Source: J.-S. R. Jang, "ANFIS: adaptive-network-based fuzzy inference system", IEEE Transactions on
 Systems, Man, and Cybernetics 23(3), 1993.
@@ -50,18 +51,18 @@ KINDS = ("t1", "it2")
 PARTITIONS = ("grid", "clusters", "subtractive")
 
 RIDGES = (1e-11, 1e-8, 1e-5, 1e-2)
-"""Weights of the coefficients that the samples held back choose from."""
+"""Weights of the coefficients from which the held-out samples choose."""
 
 MOST_COEFFICIENTS = 2**14
-"""Coefficients of an output's consequents; their least squares is solved in every epoch."""
+"""Greatest number of coefficients of an output, whose least squares are solved in every epoch."""
 
 WIDENINGS, EPOCHS_OF_WIDENING = 20, 2
-"""Steps in which the footprint of an interval system grows from nothing, and epochs of each."""
+"""Steps in which an interval system's footprint grows from zero width, and epochs of each step."""
 
 OVERLAP = 3.0
-"""Standard deviation of a cluster's terms, in those of its samples, where learning starts.
+"""Initial standard deviation of a cluster's terms, relative to that of its samples.
 
-Linear consequents reach farther than the samples of a cluster, and need neighbors to blend with.
+Linear consequents are valid beyond the samples of a cluster and need to blend with their neighbors.
 """
 
 
@@ -69,62 +70,63 @@ class ANFIS(Regressor):
     r"""Adaptive-network-based fuzzy inference system, with scikit-learn's conventions.
 
     First-order Takagi–Sugeno–Kang rules, *IF x1 is Low and x2 is High THEN y = c0 + c1 x1 + c2 x2*,
-    with Gaussian terms under the product. Each epoch takes one Levenberg–Marquardt step of the
-    means and standard deviations, with the consequents that are the best for them by least squares.
-    Training ends when the error, or that of held-out samples, no longer falls; then all samples are
-    learned with that number of epochs.
+    with Gaussian terms under the product. Each epoch takes one Levenberg–Marquardt step in the
+    means and standard deviations, with the least-squares consequents for them. Training ends when
+    the error, or the error over held-out samples, no longer falls. If samples were held out,
+    training is repeated on all samples with that number of epochs.
 
     Parameters
     ----------
     n_terms : int or sequence of p ints
-        Number of terms of every input; one number of rules with ``partition="clusters"``. An input
-        of a single term does not divide the rules, and has its part in the consequents.
+        Number of terms of every input; with ``partition="clusters"``, the number of rules. An input
+        with a single term does not distinguish rules and only enters the consequents.
     kind : {"t1", "it2"}
-        Type-1 terms, or interval type-2 terms with uncertain means. The interval system's ends are
-        found exactly, and so is the gradient.
+        Type-1 terms, or interval type-2 terms with uncertain means. Type reduction and its gradient
+        are exact.
     partition : {"grid", "clusters", "subtractive"}
-        Every combination of the inputs' terms is a rule; or each of ``n_terms`` clusters of the
-        inputs (fuzzy c-means) is one and has terms of its own; or each cluster of inputs and
-        outputs of a ``radius``, as many as there are (subtractive clustering).
+        ``"grid"`` makes a rule of every combination of the inputs' terms. ``"clusters"`` makes a
+        rule with its own terms of each of ``n_terms`` clusters of the inputs (fuzzy c-means).
+        ``"subtractive"`` makes a rule of each cluster of inputs and outputs with a given ``radius``
+        (subtractive clustering), which determines their number.
     mean_variation : float
-        Distance of both uncertain means from their middle, as a share of each input's range; not
-        learned, so that the footprint stays twice as wide. For ``kind="it2"``.
+        Distance of the two uncertain means from their middle, as a share of each input's range. It
+        is not learned, so the width of the footprint is kept. Used by ``kind="it2"``.
     ridge : float or sequence of floats
-        Weight :math:`\lambda` of the squared coefficients, above 0, where inputs and outputs are in
-        units of their standard deviations. Of several the samples held back choose; the first, if
-        none are.
+        Weight :math:`\lambda` of the squared coefficients, above 0, for inputs and outputs in units
+        of their standard deviations. If several are given, the held-out samples choose one; without
+        held-out samples, the first is used.
     most_epochs : int
         Epochs at most.
     patience : int
-        Epochs without a smaller error over the samples held back, after which to stop; of an
-        interval system, whose error jumps, without one below 1.3 times the smallest. If it ends
-        within that, all samples are learned until their error falls no more.
+        Epochs without a smaller error over the held-out samples after which training stops. The
+        error of an interval system jumps, so it stops after that many epochs without an error below
+        1.3 times the smallest. If the last error is within that factor, all samples are learned
+        until their error no longer falls.
     validation_share : float
-        Share of the samples to hold back, at least 0 and below 1; with 0 there is no early
-        stopping.
+        Share of the samples to hold out, at least 0 and below 1. With 0 there is no early stopping.
     fuzzifier : float
-        Of the clusters, see :func:`fuzzy2.fuzzy_c_means`.
+        Fuzzifier of the clusters, see :func:`fuzzy2.fuzzy_c_means`.
     radius : float
-        Of the clusters with ``partition="subtractive"``, see
+        Radius of the clusters with ``partition="subtractive"``, see
         :func:`fuzzy2.subtractive_clustering`.
     rng : numpy.random.Generator, optional
-        Chooses the samples to hold back and the clusters' starts; seeded with 0 at every call of
-        :meth:`fit` by default.
+        Chooses the held-out samples and the starts of the clustering; by default it is seeded with
+        0 at every call of :meth:`fit`.
 
     Attributes
     ----------
     system_ : Type1System or IntervalType2System
-        The system that was learned, with :class:`fuzzy2.Linear` consequents.
+        The learned system, with :class:`fuzzy2.Linear` consequents.
     n_features_in_, n_outputs_ : int
         Numbers of inputs and outputs.
     feature_names_in_ : (p,) ndarray of str
         Names of the columns, if the samples were a table with names.
     training_errors_ : (E + 1,) ndarray
-        Mean squared error over the samples learned from, before the first and after every epoch, in
+        Mean squared error over the training samples, before the first and after every epoch, in
         units of the outputs' variances.
     validation_errors_ : ndarray
-        The same over the samples held back, of the run that chose the number of epochs; empty
-        without such.
+        The same over the held-out samples, in the run that chose the number of epochs; empty if no
+        samples were held out.
     n_iter_ : int
         Number of epochs E.
     ridge_ : float
@@ -152,7 +154,8 @@ class ANFIS(Regressor):
         radius: float = 0.5,
         rng: np.random.Generator | None = None,
     ) -> None:
-        # Stored as given and checked by fit, so that a grid search can set them in any order.
+        # Parameters are stored as given and checked by fit, so that a grid search can set them in
+        # any order.
         self.n_terms = n_terms
         self.kind = kind
         self.partition = partition
@@ -171,11 +174,11 @@ class ANFIS(Regressor):
         Parameters
         ----------
         X : (N, p) array_like
-            Inputs; N is at least 2.
+            Inputs, with N of at least 2.
         y : (N,) or (N, m) array_like
             Outputs.
         sample_weight : (N,) array_like, optional
-            How often each sample counts, 1 by default.
+            Weight of each sample, 1 by default.
 
         Returns
         -------
@@ -185,8 +188,8 @@ class ANFIS(Regressor):
         Raises
         ------
         InvalidValue, NotNumbers
-            If samples or parameters are not what they must be; an input that has the same value in
-            all samples is named.
+            If samples or parameters are invalid. The message names an input that has the same value
+            in all samples.
         UnknownName
             If ``kind`` or ``partition`` is unknown.
         """
@@ -225,17 +228,18 @@ class ANFIS(Regressor):
         data: Data,
         rng: np.random.Generator,
     ) -> tuple[History, _Chosen, Premises]:
-        """Return the last run over all samples, and what was chosen for it."""
+        """Return the last run over all samples, and the settings chosen for it."""
         ridges = [float(ridge) for ridge in np.ravel(self.ridge)]
         parts = _held_back(data, self.validation_share, rng)
         premises = Premises(layout.owners, layout.rules, np.zeros_like(reaches))
         history, chosen = self._run(premises, start, None, data, parts, ridges)
         if (reaches > 0.0).any():
-            # The interval system starts from the type-1 system, learned to its end: where learning
-            # stops on the way is chance, and so would be where the interval system comes to rest.
+            # The interval system starts from the fully trained type-1 system. Stopping the type-1
+            # training early would be a matter of chance, and so would be the result of the interval
+            # training.
             learner = Learner(premises, data, chosen.ridge)
             whole = learner.learn(history.state, self.most_epochs, None, self.patience)
-            # Where it rests still depends on the way there; of two the one that fits better.
+            # The result still depends on the starting point, so the better of two runs is kept.
             premises = Premises(layout.owners, layout.rules, reaches)
             runs = []
             for state in (
@@ -250,10 +254,11 @@ class ANFIS(Regressor):
     def _widened(
         self, layout: _Layout, reaches: Array, state: State, data: Data, ridge: float
     ) -> State:
-        """Return a type-1 state after its footprint has grown nearly to its width.
+        """Return a type-1 state after its footprint has grown nearly to its full width.
 
-        The error of an interval system has a kink wherever a switch point changes, and learning
-        rests at one of many. While the footprint grows, few switch points change at a time.
+        The error of an interval system has a kink wherever a switch point changes, and learning can
+        stop at any of many kinks. If the footprint grows gradually, few switch points change at a
+        time.
         """
         for step in range(1, WIDENINGS):
             premises = Premises(layout.owners, layout.rules, step / WIDENINGS * reaches)
@@ -272,7 +277,7 @@ class ANFIS(Regressor):
         parts: tuple[Data, Data] | None,
         ridges: list[float],
     ) -> tuple[History, _Chosen]:
-        """Let the samples held back choose ridge and epochs, and learn from all samples so."""
+        """Let the held-out samples choose ridge and epochs, and learn from all samples."""
         chosen = _Chosen(ridges[0], self.most_epochs, [])
         if parts is not None:
             part, rest = parts
@@ -283,8 +288,9 @@ class ANFIS(Regressor):
                 )
                 errors = tried.validation_errors
                 if not chosen.errors or min(errors) < min(chosen.errors):
-                    # As good to its end: an interval system, whose objective has kinks, rests where
-                    # it happens to, and nothing says that all samples should stop there.
+                    # The held-out error is as good at the end. An interval system stops at an
+                    # arbitrary kink of its objective, so there is no reason for all samples to stop
+                    # at the same epoch.
                     epochs = tried.best_epoch
                     if premises.is_interval and epochs == len(errors) - 1:
                         epochs = self.most_epochs
@@ -321,7 +327,8 @@ class ANFIS(Regressor):
                 sample_weight=samples.weights,
             )
             narrow = clusters.spreads <= 0.0
-            # A cluster that is one point along an input is as wide there as its neighbors are far.
+            # A cluster that is a single point along an input is given the distance to its neighbors
+            # as its width there.
             spreads = np.where(narrow, 1.0 / number, clusters.spreads)
             return _Layout(
                 np.tile(np.arange(count), number),
@@ -376,7 +383,7 @@ class ANFIS(Regressor):
 
 
 class _Chosen(NamedTuple):
-    """Ridge and number of epochs, and the errors over the samples held back that chose them."""
+    """Ridge, number of epochs, and the errors over the held-out samples that chose them."""
 
     ridge: float
     epochs: int
@@ -384,7 +391,7 @@ class _Chosen(NamedTuple):
 
 
 class _Layout(NamedTuple):
-    """Terms of all inputs in one row, and the rules (R, p) that ask for them."""
+    """Terms of all inputs in one row, and the rules (R, p) that use them."""
 
     owners: Integers
     rules: Integers
@@ -402,12 +409,12 @@ class _Units(NamedTuple):
 
     @classmethod
     def of(cls, samples: Samples) -> _Units:
-        """Return those of samples; where an output is constant, its unit is 1."""
+        """Return the units of samples; the unit of a constant output is 1."""
         found = []
         for table in (samples.inputs, samples.outputs):
             middle = np.average(table, axis=0, weights=samples.weights)
             width = np.sqrt(np.average((table - middle) ** 2, axis=0, weights=samples.weights))
-            # A constant column has a deviation of rounding, or of none.
+            # The standard deviation of a constant column is 0 or a rounding error.
             flat = ~(np.ptp(table, axis=0) > 0.0) | ~(width > 0.0)
             found += [middle, np.where(flat, 1.0, width)]
         return cls(*found)
@@ -422,9 +429,10 @@ class _Units(NamedTuple):
 
 
 def _held_back(data: Data, share: float, rng: np.random.Generator) -> tuple[Data, Data] | None:
-    """Return what to learn from and what to stop by; None where nothing is held back.
+    """Return the training samples and the held-out samples, or None if nothing is held out.
 
-    Samples that are equal go together: to repeat one is to double its weight.
+    Equal samples stay together, because repeating a sample must have the same effect as doubling
+    its weight.
     """
     _, group = np.unique(np.column_stack([data.X, data.y]), axis=0, return_inverse=True)
     group = group.reshape(-1)
@@ -442,7 +450,7 @@ def _held_back(data: Data, share: float, rng: np.random.Generator) -> tuple[Data
 
 
 def _system(samples: Samples, units: _Units, premises: Premises, history: History) -> FuzzySystem:
-    """Return the system in the units of the samples, its terms in ascending order."""
+    """Return the system in the units of the samples, with its terms in ascending order."""
     owners, state = premises.owners, history.state
     count = len(owners)
     widths = units.widths[owners]

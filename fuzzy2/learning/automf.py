@@ -1,4 +1,4 @@
-"""Partitions by name: triangles called poor, average and good, and the like."""
+"""Named partitions: triangles called poor, average and good, and the like."""
 
 from __future__ import annotations
 
@@ -15,32 +15,33 @@ NAMES = {
     5: ("poor", "mediocre", "average", "decent", "good"),
     7: ("dismal", "poor", "mediocre", "average", "decent", "good", "excellent"),
 }
-"""Names of so many terms, those of scikit-fuzzy's ``automf``."""
+"""Names by the number of terms, as in scikit-fuzzy's ``automf``."""
 
 
 def automf(least: float, greatest: float, terms: int | Sequence[str] = 3) -> dict[str, Triangular]:
-    r"""Return triangles that partition a range evenly, by name; their grades add up to 1.
+    r"""Return named triangles that partition a range evenly; their grades add up to 1.
 
     Term k of K has its peak at :math:`a + k (b - a) / (K - 1)` and its feet at the peaks of its
-    neighbors; those of the first and the last term lie as far outside of the range.
+    neighbors. The outer feet of the first and the last term lie one spacing outside the range.
 
     Parameters
     ----------
     least, greatest : float
         Ends a < b of the range.
     terms : int or sequence of str
-        3, 5 or 7 for the names *poor, average, good*, with *mediocre* and *decent*, with *dismal*
-        and *excellent*; another number for *term1, term2, ...*; or the names, at least two.
+        3 gives the names *poor, average, good*; 5 adds *mediocre* and *decent*, and 7 also *dismal*
+        and *excellent*. Any other number gives *term1, term2, ...*. A list gives the names
+        themselves, at least two.
 
     Returns
     -------
     dict from str to Triangular
-        The terms in ascending order, as a system takes them for an input.
+        The terms in ascending order, in the form that a system accepts for an input.
 
     Raises
     ------
     InvalidValue
-        If the range has no width, or there are fewer than two terms, or a name comes twice.
+        If the range has no width, if there are fewer than two terms, or if a name is repeated.
 
     Examples
     --------

@@ -1,13 +1,14 @@
-r"""A classifier of few fuzzy rules, each with grades of the classes.
+r"""A classifier with few fuzzy rules, each of which has a grade for every class.
 
-A rule says how much a sample belongs to each class: *IF petal length is low and petal width is low
-THEN setosa 0.98, versicolor 0.01, virginica 0.01*. The probability of class k is the average of the
-rules' grades, weighted with how they fire,
+A rule gives a grade for each class: *IF petal length is low and petal width is low THEN setosa
+0.98, versicolor 0.01, virginica 0.01*. The probability of class k is the average of the rules'
+grades, weighted with their firing,
 
 .. math:: P(k \mid x) = \sum_r \phi_r(x)\, g_{rk}, \qquad \sum_k g_{rk} = 1,
 
-the output of a Takagi–Sugeno–Kang system of order zero. Clusters of each class's samples are the
-rules to start from; then means, standard deviations and grades make the samples likely, by L-BFGS.
+which is the output of a Takagi–Sugeno–Kang system of order zero. The initial rules are clusters of
+each class's samples. Then L-BFGS maximizes the likelihood of the samples over means, standard
+deviations and grades.
 """
 
 from __future__ import annotations
@@ -36,11 +37,11 @@ from fuzzy2.support.checks import Array, generator, positive, whole_number
 from fuzzy2.systems.system import Type1System
 
 FIRST_GRADE = 2.0
-"""Logarithm of the grade of a rule's own class over that of another, before learning."""
+"""Initial logarithm of the ratio between the grades of a rule's own class and another class."""
 NARROWEST = 0.2
-"""Standard deviation of a term, in that of its input, that learning starts from at least."""
+"""Least initial standard deviation of a term, relative to that of its input."""
 LEAST_DOUBT = 1e-12
-"""Probability that a sample's class has at least, so that one outlier is no infinite error."""
+"""Lower bound of the probability of a sample's class, so that no outlier has an infinite error."""
 TELLING = 0.5
 """A rule names an input if some sample's grade there is below this."""
 
@@ -49,20 +50,22 @@ _LIMITS = (-1.5, -0.5, 0.5, 1.5)  # in standard deviations from the mean
 
 
 class FuzzyClassifier(Estimator):
-    r"""Classifier with readable fuzzy rules, and scikit-learn's conventions.
+    r"""Classifier with readable fuzzy rules, which follows scikit-learn's conventions.
 
     Parameters
     ----------
     n_rules : int
-        Rules that each class starts with; fewer for a class of fewer different samples.
+        Number of initial rules of each class; fewer if a class has fewer different samples.
     ridge : float
-        Weight, above 0, of the squared distances of all parameters from where they started, beside
-        the samples' log-likelihood: means in standard deviations of the inputs, standard deviations
-        and grades by their logarithms. The more samples there are, the less it matters.
+        Weight, above 0, of the squared distances of all parameters from their initial values,
+        relative to the log-likelihood of the samples. Means are measured in standard deviations of
+        the inputs; standard deviations and grades by their logarithms. The more samples there are,
+        the less it matters.
     most_epochs : int
-        Iterations at most.
+        Greatest number of iterations.
     rng : numpy.random.Generator, optional
-        Of the clusters' starts; seeded with 0 at every call of :meth:`fit` by default.
+        Source of the clustering's starts; by default it is seeded with 0 at every call of
+        :meth:`fit`.
 
     Attributes
     ----------
@@ -71,7 +74,7 @@ class FuzzyClassifier(Estimator):
     system_ : Type1System
         The rules; its outputs are the classes' probabilities.
     grades_ : (R, K) ndarray
-        Grade of every class by every rule.
+        Grade of every rule for every class.
     n_features_in_ : int
         Number of inputs.
     feature_names_in_ : (p,) ndarray of str
@@ -91,14 +94,15 @@ class FuzzyClassifier(Estimator):
         most_epochs: int = 100,
         rng: np.random.Generator | None = None,
     ) -> None:
-        # Stored as given and checked by fit, so that a grid search can set them in any order.
+        # Parameters are stored as given and checked by fit, so that a grid search can set them in
+        # any order.
         self.n_rules = n_rules
         self.ridge = ridge
         self.most_epochs = most_epochs
         self.rng = rng
 
     def fit(self, X: ArrayLike, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
-        """Learn rules from samples of known classes.
+        """Learn rules from samples with known classes.
 
         Parameters
         ----------
@@ -107,7 +111,7 @@ class FuzzyClassifier(Estimator):
         y : (N,) array_like
             Labels: whole numbers, text or the like, of at least two classes.
         sample_weight : (N,) array_like, optional
-            How often each sample counts, 1 by default.
+            Weight of each sample, 1 by default.
 
         Returns
         -------
@@ -117,15 +121,16 @@ class FuzzyClassifier(Estimator):
         Raises
         ------
         InvalidValue, NotNumbers
-            If samples or parameters are not what they must be; an input that has the same value in
-            all samples is named.
+            If samples or parameters are invalid. The message names an input that has the same value
+            in all samples.
         """
         number = whole_number("n_rules", self.n_rules, 1)
         positive("ridge", self.ridge)
         whole_number("most_epochs", self.most_epochs, 0)
         table_of_samples("X", X)
         labels = _labels(y)
-        # Checked before weights, so that a class without a sample that counts is none.
+        # Labels are checked after samples of weight 0 are removed, because a class without any
+        # remaining sample does not exist.
         counts = weights_of(sample_weight, len(labels))
         if len(labels) != len(np.asarray(X)):
             raise InvalidValue("y", labels.shape, "a label for each sample of X")
@@ -155,12 +160,12 @@ class FuzzyClassifier(Estimator):
         return self
 
     def predict_proba(self, X: ArrayLike) -> Array:
-        """Return the probabilities of the classes, (n, K) for inputs (n, p).
+        """Return the probabilities of the classes, (n, K), for inputs (n, p).
 
         Raises
         ------
         InvalidValue
-            If an input is so far away that its square is no number.
+            If an input is so far away that its square overflows.
         """
         self._system()
         with np.errstate(over="ignore"):
@@ -172,22 +177,22 @@ class FuzzyClassifier(Estimator):
         return np.asarray(self._premises.ends(grades, None)[0].shares @ self.grades_)
 
     def predict(self, X: ArrayLike) -> NDArray[Any]:
-        """Return the most likely labels, (n,) for inputs (n, p)."""
+        """Return the most likely labels, (n,), for inputs (n, p)."""
         likely = self.predict_proba(X).argmax(axis=1)
         return np.asarray(self.classes_[likely])
 
     def score(self, X: ArrayLike, y: ArrayLike, sample_weight: ArrayLike | None = None) -> float:
-        """Return the share of samples whose class is predicted."""
+        """Return the share of samples whose class is predicted correctly."""
         predicted, truth = self.predict(X), _labels(y)
         if truth.shape != predicted.shape:
             raise InvalidValue("y", truth.shape, "a label for each sample of X")
         return float(np.average(predicted == truth, weights=weights_of(sample_weight, len(truth))))
 
     def rules_in_words(self) -> list[str]:
-        """Return the rules as text, a line for each.
+        """Return the rules as text, with one line per rule.
 
-        A rule names the inputs by which it tells samples apart: those where some sample of ``fit``
-        has a grade below one half.
+        A rule only names the inputs that matter to it, for which some sample of ``fit`` has a grade
+        below one half.
         """
         system = self._system()
         lines = []
@@ -207,7 +212,7 @@ class FuzzyClassifier(Estimator):
     def __sklearn_tags__(self) -> Any:
         """Return scikit-learn's description of the estimator.
 
-        Only scikit-learn itself asks for it.
+        Only scikit-learn calls it.
         """
         from sklearn.utils import ClassifierTags, InputTags, Tags, TargetTags
 
@@ -241,7 +246,7 @@ class FuzzyClassifier(Estimator):
         )
 
     def _telling(self, scaled: Array) -> NDArray[np.bool_]:
-        """Return whether each rule tells samples apart by each input, (R, p)."""
+        """Return which inputs matter to each rule, (R, p)."""
         distance = self._premises.grades(self._parameters, scaled).upper
         least = np.exp(-0.5 * (distance**2).max(axis=0))
         return np.asarray(least[self._premises.rules] < TELLING)
@@ -250,7 +255,8 @@ class FuzzyClassifier(Estimator):
 class _Likelihood:
     """Mean negative logarithm of the likelihood, with its gradient, as a function of parameters.
 
-    They are means, logarithms of standard deviations, and of the grades up to their sum.
+    The parameters are means, logarithms of standard deviations, and logarithms of grades that need
+    not be normalized.
     """
 
     def __init__(
@@ -276,7 +282,7 @@ class _Likelihood:
             spreads += [spread] * clusters
             own += [k] * clusters
         means, rules = np.concatenate(centers), len(own)
-        # The more inputs there are, the less one of them should decide alone.
+        # The more inputs there are, the less a single one should decide.
         sigmas = np.maximum(spreads, NARROWEST) * np.sqrt(max(inputs / 4.0, 1.0))
         self.premises = Premises(
             np.tile(np.arange(inputs), rules),
@@ -288,7 +294,7 @@ class _Likelihood:
         self.start = np.concatenate([means.ravel(), np.log(sigmas).ravel(), grades.ravel()])
 
     def grades(self, parameters: Array) -> Array:
-        """Return the grades of the classes by the rules, (R, K)."""
+        """Return the grades of the rules for the classes, (R, K)."""
         logarithms = parameters[self.first_grade :].reshape(-1, self.classes)
         powers = np.exp(logarithms - logarithms.max(axis=1, keepdims=True))
         return np.asarray(powers / powers.sum(axis=1, keepdims=True))
@@ -301,7 +307,7 @@ class _Likelihood:
         ends = premises.ends(distances, None)
         shares = ends[0].shares
         likely = (shares * by_class[:, self.codes].T).sum(axis=1) + LEAST_DOUBT
-        # Each sample has an output of its own: the grades of its class are the consequents.
+        # The consequents depend on the sample: its output is the probability of its own class.
         slopes = premises.slopes(own, distances, ends, by_class[:, self.codes].T)
         share = -self.weights / likely
         by_grade = np.zeros_like(by_class)
@@ -315,7 +321,7 @@ class _Likelihood:
         return float(value), gradient + self.ridge * moved
 
     def solved(self, most: int) -> tuple[Array, int]:
-        """Return the parameters of the least objective that is found, and the iterations."""
+        """Return the parameters of the smallest objective found, and the number of iterations."""
         from scipy.optimize import minimize
 
         if most == 0:
@@ -327,7 +333,7 @@ class _Likelihood:
 
 
 def _labels(y: Any) -> NDArray[Any]:
-    """Return labels of classes (N,); refuse what can be none."""
+    """Return labels of classes (N,); refuse values that cannot be labels."""
     if y is None:
         raise InvalidValue(
             "y",

@@ -1,12 +1,12 @@
-r"""Fuzzy c-means: clusters to which samples belong by degrees.
+r"""Fuzzy c-means: clusters to which samples belong to a degree.
 
 The centers :math:`v_k` and memberships :math:`u_{nk}` of N samples in K clusters minimize
 
 .. math:: J = \sum_{n=1}^{N} \sum_{k=1}^{K} u_{nk}^m \lVert x_n - v_k \rVert^2, \qquad
           \sum_k u_{nk} = 1,
 
-with the fuzzifier m > 1: the closer it is to 1, the crisper the clusters, and k-means is the limit.
-Distances are Euclidean, so columns of different units are put on one scale first.
+with the fuzzifier m > 1. The closer it is to 1, the crisper the clusters; the limit is k-means.
+Distances are Euclidean, so scale columns with different units first.
 
 Source: J. C. Bezdek, "Pattern Recognition with Fuzzy Objective Function Algorithms", Plenum Press,
 1981.
@@ -25,15 +25,15 @@ from fuzzy2.learning.samples import weights_of
 from fuzzy2.support.checks import Array, binary_exponent, generator, real, reals, whole_number
 
 TOLERANCE = 1e-9
-"""The iteration has converged when no membership changes by more."""
+"""The iteration has converged if no membership changes by more than this."""
 
 MOST_ITERATIONS = 1000
-"""Iterations of one start."""
+"""Greatest number of iterations of one start."""
 
 
 @dataclass(frozen=True)
 class Clusters:
-    """What :func:`fuzzy_c_means` found.
+    """Result of :func:`fuzzy_c_means`.
 
     Parameters
     ----------
@@ -45,14 +45,14 @@ class Clusters:
         Standard deviation of each cluster's samples along each column, about its center and
         weighted with the memberships to the power of the fuzzifier.
     fuzzifier : float
-        m in the objective.
+        The fuzzifier m in the objective.
     objectives : (iterations,) ndarray
-        The objective on the way; it never rises.
+        The objective after each iteration; it never increases.
     converged : bool
-        Whether the memberships had come to rest when the iteration ended.
+        Whether the memberships had converged when the iteration ended.
     unit : float
-        Length of which the objectives count squares: 1, unless the samples are so large or small
-        that their squares are no floats.
+        Unit of length of the objectives: 1, unless the samples are so large or small that their
+        squares would overflow or underflow.
     """
 
     centers: Array
@@ -65,22 +65,22 @@ class Clusters:
 
     @property
     def partition_coefficient(self) -> float:
-        r"""Share of certainty, :math:`\frac{1}{N} \sum_{nk} u_{nk}^2`, Bezdek 1981.
+        r"""Partition coefficient, :math:`\frac{1}{N} \sum_{nk} u_{nk}^2` (Bezdek 1981).
 
-        From 1/K (nothing is told apart) to 1 (crisp).
+        It ranges from 1/K (equal memberships in all clusters) to 1 (crisp clusters).
         """
         return float((self.memberships**2).sum() / len(self.memberships))
 
     @property
     def xie_beni(self) -> float:
-        r"""How far clusters are spread against how far they are apart.
+        r"""Validity index of Xie and Beni: spread of the clusters relative to their distances.
 
-        The measure is :math:`J / (N \min_{j \ne k} \lVert v_j - v_k \rVert^2)`.
+        The index is :math:`J / (N \min_{j \ne k} \lVert v_j - v_k \rVert^2)`.
 
-        The smaller the better: of several numbers of clusters take the one with the least. It falls
-        again as the number of clusters nears that of the samples. Infinite for centers that
-        coincide, and NaN for a single cluster. (X. L. Xie and G. Beni, "A validity measure for
-        fuzzy clustering", IEEE Transactions on Pattern Analysis and Machine Intelligence 13(8),
+        The smaller, the better: choose the number of clusters with the smallest index. The index
+        falls again as the number of clusters approaches that of the samples. It is infinite if
+        centers coincide, and NaN for a single cluster. (X. L. Xie and G. Beni, "A validity measure
+        for fuzzy clustering", IEEE Transactions on Pattern Analysis and Machine Intelligence 13(8),
         1991.)
         """
         centers = self.centers / self.unit
@@ -91,7 +91,7 @@ class Clusters:
             return float(self.objectives[-1] / (len(self.memberships) * apart.min()))
 
     def membership(self, X: ArrayLike) -> Array:
-        r"""Return the memberships of any points.
+        r"""Return the memberships of arbitrary points.
 
         .. math:: \frac{1}{u_{nk}} = \sum_j \left(\frac{\lVert x_n - v_k \rVert}
                   {\lVert x_n - v_j \rVert}\right)^{2/(m-1)}
@@ -104,18 +104,20 @@ class Clusters:
         Returns
         -------
         (..., K) ndarray
-            Memberships; at a center 1 in its cluster, shared evenly if centers coincide.
+            Memberships. At a center the membership in its cluster is 1; coinciding centers share it
+            evenly.
 
         Raises
         ------
         InvalidValue
-            If the points are not finite or of another width than the centers.
+            If the points are not finite, or do not have as many columns as the centers.
         """
         points = reals("X", X)
         width = self.centers.shape[1]
         if points.shape[-1:] != (width,) or not np.isfinite(points).all():
             raise InvalidValue("X", points, f"finite and of shape (..., {width})")
-        # By the larger of both, so that a point far out does not leave the range of floats.
+        # Points and centers are scaled by the larger of both, so that squares of distant points do
+        # not overflow.
         scale = max(binary_exponent(points), binary_exponent(self.centers), key=abs)
         found = _memberships(
             _squared_distances(
@@ -143,10 +145,10 @@ def fuzzy_c_means(
     *,
     sample_weight: ArrayLike | None = None,
 ) -> Clusters:
-    r"""Return the best of the clusterings that alternating optimization finds from random starts.
+    r"""Return the best clustering that alternating optimization finds from random starts.
 
-    Memberships and centers take turns to minimize the objective, the other held; neither step can
-    raise it:
+    Each step minimizes the objective over the memberships or over the centers, with the other
+    fixed. Neither step can increase it:
 
     .. math::
 
@@ -159,16 +161,16 @@ def fuzzy_c_means(
     X : (N, p) array_like
         Samples.
     n_clusters : int
-        Number K of clusters, at most that of different samples.
+        Number K of clusters, at most the number of different samples.
     fuzzifier : float
-        m, above 1.
+        The fuzzifier m, above 1.
     rng : numpy.random.Generator, optional
-        Which samples the centers start from; seeded with 0 by default.
+        Chooses the samples where the centers start; seeded with 0 by default.
     starts : int
-        Number of starts. One may end in a local minimum, so that of the least objective is
-        returned.
+        Number of starts. A start may end in a local minimum, so the result with the smallest
+        objective is returned.
     sample_weight : (N,) array_like, optional
-        How often each sample counts, not negative; 1 by default.
+        Weight of each sample, not negative; 1 by default.
 
     Returns
     -------
@@ -178,8 +180,8 @@ def fuzzy_c_means(
     Raises
     ------
     InvalidValue
-        If the samples are no table of finite numbers, there are fewer different samples than
-        clusters, or a number is outside of what it can be.
+        If the samples are not a table of finite numbers, if there are fewer different samples than
+        clusters, or if an argument is outside its range.
     """
     samples = reals("X", X)
     if samples.ndim != 2 or 0 in samples.shape or not np.isfinite(samples).all():
@@ -194,10 +196,10 @@ def fuzzy_c_means(
         raise InvalidValue(
             "n_clusters", n_clusters, f"at most {len(different)}, the number of different samples"
         )
-    # By a power of two, which is exact.
+    # Scaling by a power of two is exact.
     scale = binary_exponent(samples)
     samples, different = np.ldexp(samples, -scale), np.ldexp(different, -scale)
-    # Centers that coincide would never part again, so they start from different samples.
+    # Coinciding centers would never separate again, so the centers start from different samples.
     runs = [
         _alternate(samples, source.choice(different, n_clusters, replace=False), power, counts)
         for _ in range(starts)
@@ -214,7 +216,7 @@ def fuzzy_c_means(
 
 
 def _alternate(samples: Array, centers: Array, power: float, counts: Array) -> Clusters:
-    """Return where the alternating optimization goes from given centers."""
+    """Return the result of alternating optimization from given centers."""
     objectives: list[float] = []
     squares = _squared_distances(samples, centers)
     memberships = _memberships(squares, power)
@@ -232,8 +234,8 @@ def _alternate(samples: Array, centers: Array, power: float, counts: Array) -> C
     objectives.append(float((weights * squares).sum()))
     order = np.lexsort(centers.T[::-1])
     centers, memberships, weights = centers[order], memberships[:, order], weights[:, order]
-    # About the center as it is: it has moved by no more than the tolerance since it was the
-    # weighted mean.
+    # Moments are taken about the current center, which has moved by less than the tolerance since
+    # it was the weighted mean.
     deviations = (samples[:, np.newaxis] - centers) ** 2
     mass = weights.sum(axis=0)[:, np.newaxis]
     spreads = np.sqrt(
@@ -250,16 +252,16 @@ def _alternate(samples: Array, centers: Array, power: float, counts: Array) -> C
 def _squared_distances(points: Array, centers: Array) -> Array:
     """Return the squared distances (N, K), as sums of squares.
 
-    Expanding them would cancel digits near the centers.
+    Expanding the squares would cancel digits near the centers.
     """
     return np.asarray(((points[:, np.newaxis] - centers) ** 2).sum(axis=-1))
 
 
 def _memberships(squares: Array, power: float) -> Array:
-    """Return the memberships (N, K) that minimize the objective for squared distances (N, K)."""
+    """Return the memberships (N, K) that minimize the objective for given squared distances."""
     nearest = squares.min(axis=1, keepdims=True)
-    # Relative to the nearest center no power can overflow; at a center it is 0/0 for that one,
-    # which has all of the sample.
+    # Relative to the nearest center, powers cannot overflow. A sample at a center gives 0/0 there,
+    # and gets membership 1.
     with np.errstate(divide="ignore", invalid="ignore", under="ignore"):
         shares = np.where(squares == nearest, 1.0, (nearest / squares) ** (1.0 / (power - 1.0)))
     return np.asarray(shares / shares.sum(axis=1, keepdims=True))
@@ -268,7 +270,7 @@ def _memberships(squares: Array, power: float) -> Array:
 def _centers(samples: Array, weights: Array, last: Array) -> Array:
     """Return the weighted means (K, p).
 
-    A cluster that no sample belongs to any more, by underflow, stays where it was.
+    If all memberships of a cluster underflow, its center does not move.
     """
     mass = weights.sum(axis=0)[:, np.newaxis]
     return np.where(

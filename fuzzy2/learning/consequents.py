@@ -1,4 +1,4 @@
-"""Consequents of rules learned from samples: each sample a rule, or each rule from all samples."""
+"""Learning of consequents: one rule from each sample, or each rule from all samples."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ from fuzzy2.learning.partition import (
 from fuzzy2.support.checks import Array
 
 COMPLETIONS = ("nearest", "average", "none", "refuse")
-"""Names of what is done about cells without a sample."""
+"""Names of the ways to complete cells without a sample."""
 
 LEAST_FIRING = 1e-3
-"""Firing below which no sample says anything about a rule."""
+"""Firing below which a sample is not used for a rule."""
 _BLOCK = 2**22  # firing strengths held in memory at once
-_FAST = 2**16  # as many of them stay in the fast memory
-_ROWS = 512  # samples of a block at least, if memory lets it be: sums over blocks cost, too
+_FAST = 2**16  # firing strengths that fit into the cache
+_ROWS = 512  # least samples of a block if memory allows, because sums over blocks cost, too
 
 
 class Learned(NamedTuple):
     """Rules with consequents: values, intervals or numbers of output terms.
 
-    ``rules`` (R, p) are the numbers of the inputs' terms, ``best_firing`` (R,) is how much each
-    rule is fired by the sample that fires it most. The consequents are ``values``, (R, m) or
-    intervals (R, m, 2), or else the numbers of output ``terms`` (R, m). ``samples`` (R, m) are the
-    numbers of those that the consequents come from, where each comes from one.
+    ``rules`` (R, p) are the numbers of the inputs' terms. ``best_firing`` (R,) is the greatest
+    firing of each rule by a sample. The consequents are ``values``, (R, m) or intervals (R, m, 2),
+    or the numbers of output ``terms`` (R, m). ``samples`` (R, m) are the numbers of the samples
+    that determine the consequents, if each comes from a single sample.
     """
 
     rules: Integers
@@ -51,7 +51,7 @@ class Learned(NamedTuple):
         return self.values
 
     def consequents(self, quantizer: Quantizer | None) -> Array:
-        """Return the consequents as numbers, or as output terms where there is a quantizer."""
+        """Return the consequents as numbers, or as output terms if there is a quantizer."""
         if self.values is not None:
             return self.values
         assert self.terms is not None
@@ -60,7 +60,7 @@ class Learned(NamedTuple):
 
 
 class Quantizer:
-    """Output terms: which is nearest to a value, and what its centroid is."""
+    """Output terms: the term that is nearest to a value, and the centroids of the terms."""
 
     def __init__(
         self, ranges: list[tuple[float, float]], n_terms: int, kind: str, mean_variation: float
@@ -75,14 +75,15 @@ class Quantizer:
     def nearest(self, values: Array) -> Integers:
         """Return the numbers (N, m) of the terms nearest to the values (N, m).
 
-        The means are nearest, so the values have most membership there.
+        The nearest term is the one with the nearest mean, where the value has its greatest
+        membership.
         """
         return np.asarray(
             np.abs(values[..., np.newaxis] - self.means).argmin(axis=-1), dtype=np.int64
         )
 
     def memberships(self, values: Array, numbers: Integers) -> Array:
-        """Return the memberships (N, m) of the values in terms (N, m), the principal ones."""
+        """Return the memberships (N, m) of the values in the principal terms (N, m)."""
         columns = (grades_in(values[:, j], self.principal[j]) for j in range(values.shape[1]))
         return np.stack(
             [
@@ -107,12 +108,11 @@ def rules_from_all(
     completion: str = "refuse",
     weights: Array | None = None,
 ) -> Learned:
-    """Let every rule, given or of the grid, take its consequent from all samples.
+    """Learn the consequent of every rule, given or on the grid, from all samples.
 
     Rules that no sample fires are completed. A ``ridge`` of None is chosen by generalized
-    cross-validation, for every output by itself. ``weights`` (N,) say how often a sample counts;
-    where
-    one sample speaks for a rule, they make no difference.
+    cross-validation, separately for every output. ``weights`` (N,) are those of the samples; where
+    a single sample determines a rule, they have no effect.
     """
     shape = [of_input.shape[1] for of_input in grades]
     rules = _all_cells(shape) if given is None else given
@@ -122,7 +122,7 @@ def rules_from_all(
     for rows, firing in _firing_blocks(grades, combine, given):
         winner = firing.argmax(axis=0)
         strength = firing[winner, np.arange(len(rules))]
-        stronger = strength > best  # not >=: the first of equally strong samples stays
+        stronger = strength > best  # not >=, so that the first of equally strong samples is kept
         best, sample = (
             np.where(stronger, strength, best),
             np.where(stronger, winner + rows.start, sample),
@@ -132,7 +132,7 @@ def rules_from_all(
         moment += firing.T @ outputs[rows]
     empty = np.flatnonzero(best < LEAST_FIRING)
     if completion == "refuse" or len(empty) == len(rules):
-        empty = empty[:0]  # refused later, or nothing to complete from
+        empty = empty[:0]  # refused later, or there is nothing to complete from
     if completion == "none" and len(empty):
         kept = np.delete(np.arange(len(rules)), empty)
         rules, best, sample = rules[kept], best[kept], sample[kept]
@@ -143,7 +143,7 @@ def rules_from_all(
         samples[empty] = -1
         values = _completed(outputs[sample], rules, empty, best, shape, completion)
         return Learned(rules, best, values, None, samples)
-    # A rule that nothing fires is refused later, and must not warn before.
+    # A rule that no sample fires is refused later; a warning must not come before the error.
     average = moment / np.maximum(weight, np.finfo(float).tiny)[:, np.newaxis]
     average = _completed(average, rules, empty, best, shape, completion)
     if learner == "average":
@@ -178,10 +178,10 @@ def _completed(
     shape: Sequence[int],
     completion: str,
 ) -> Array:
-    """Return consequents (R, m) with those of the empty rules taken from the others.
+    """Return consequents (R, m) in which those of the empty rules follow from the others.
 
-    From the nearest, of equally near ones that which is fired most; or averaged over all with the
-    inverse squares of the distances.
+    They are copied from the nearest rule, or the one fired most among equally near rules, or
+    averaged over all rules with the inverse squares of the distances as weights.
     """
     if not len(empty):
         return values
@@ -206,9 +206,9 @@ def strict_rules(
     quantizer: Quantizer | None,
     completion: str,
 ) -> Learned:
-    """Let every sample make a rule, settle conflicts by degree, and complete empty cells.
+    """Make a rule of every sample, resolve conflicts by degree, and complete empty cells.
 
-    These are the cells that have no rule.
+    Empty cells are those without a rule.
     """
     own = np.stack([of_input.argmax(axis=1) for of_input in grades], axis=1)
     antecedent = _reduced(combine, [of_input.max(axis=1) for of_input in grades])
@@ -221,8 +221,8 @@ def strict_rules(
     covered, cell = _different(own, shape)
     samples = np.empty((len(covered), outputs.shape[1]), dtype=np.int64)
     for j in range(outputs.shape[1]):
-        # Stable, so that the first of equal degrees comes first; the last written, which is the
-        # first in order, stays.
+        # The sort is stable, so that the first of equal degrees comes first. The assignment runs
+        # backward, so that the first in order is written last and stays.
         order = np.argsort(-degree[:, j], kind="stable")[::-1]
         samples[cell[order], j] = order
     columns = np.arange(outputs.shape[1])
@@ -250,7 +250,7 @@ def strict_rules(
         donors = full_samples.copy()
         for c in empty:
             distance = _squared_distances(covered, rules[c], scale)
-            # Squares of sums of shares; equal distances differ by rounding.
+            # These are squares of sums of shares, so equal distances may differ by rounding.
             near = distance <= distance.min() * (1.0 + 1e-12)
             donors[c] = samples[
                 np.where(near[:, np.newaxis], degrees, -1.0).argmax(axis=0), columns
@@ -285,7 +285,7 @@ def _different(cells: Integers, shape: tuple[int, ...]) -> tuple[Integers, Integ
     if math.prod(shape) >= 2**62:
         different, place = np.unique(cells, axis=0, return_inverse=True)
         return different, place.reshape(-1)
-    # By one number a cell, which is sorted faster than rows are.
+    # One number per cell is sorted faster than rows.
     numbers, place = np.unique(np.ravel_multi_index(tuple(cells.T), shape), return_inverse=True)
     return np.stack(np.unravel_index(numbers, shape), axis=1), place
 
@@ -295,7 +295,7 @@ def _squared_distances(cells: Integers, cell: Integers, scale: Array) -> Array:
 
 
 def check_support(learned: Learned, names: Sequence[str], words: Sequence[Sequence[str]]) -> None:
-    """Refuse where no sample fires a rule enough to say anything about it."""
+    """Refuse the samples if none of them fires a rule enough to determine it."""
     weakest = int(np.argmin(learned.best_firing))
     firing = float(learned.best_firing[weakest])
     if firing < LEAST_FIRING:
@@ -313,7 +313,7 @@ def check_support(learned: Learned, names: Sequence[str], words: Sequence[Sequen
 
 
 def _all_cells(shape: Sequence[int]) -> Integers:
-    """Return the grid's cells (R, p), the last input fastest."""
+    """Return the grid's cells (R, p); the last input varies fastest."""
     return np.array(list(itertools.product(*map(range, shape))), dtype=np.int64)
 
 
@@ -322,7 +322,7 @@ def _firing_blocks(
 ) -> Iterator[tuple[slice, Array]]:
     """Yield blocks of samples with their firing strengths (n, R) of the rules.
 
-    By default of those of :func:`_all_cells`.
+    The rules are those of :func:`_all_cells` by default.
     """
     count, size = (
         len(grades[0]),

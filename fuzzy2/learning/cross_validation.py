@@ -1,4 +1,4 @@
-r"""Ridge least squares whose ridge is chosen by generalized cross-validation.
+r"""Ridge least squares with the ridge chosen by generalized cross-validation.
 
 The coefficients c of a design :math:`\Phi` (N, R) minimize
 
@@ -9,8 +9,8 @@ and the ridge :math:`\lambda` of each target minimizes
 .. math:: V(\lambda) = \frac{N \lVert (I - H) y \rVert^2}{\operatorname{tr}(I - H)^2}, \qquad
           H = \Phi (\Phi^T \Phi + \lambda I)^{-1} \Phi^T,
 
-what leaving out one sample after the other would miss, were all of the same leverage. Without noise
-next to nothing is shrunk; the more noise, the more is.
+which is the error of leave-one-out cross-validation if all samples have the same leverage. Without
+noise the coefficients are hardly shrunk; more noise shrinks them more.
 
 Source: G. H. Golub, M. Heath and G. Wahba, "Generalized cross-validation as a method for choosing a
 good ridge parameter", Technometrics 21(2), 1979.
@@ -34,24 +34,25 @@ def ridge_by_cross_validation(
     Parameters
     ----------
     design : (N, R) ndarray
-        :math:`\Phi`.
+        The design :math:`\Phi`.
     targets : (N, m) ndarray
-        What is to be said, a column for each target.
+        The values to be predicted, with one column for each target.
     count : int, optional
-        N, where design and targets are those of a triangular factor of longer ones, which have the
-        same coefficients; their own length by default.
+        Number N of samples, if design and targets come from a triangular factor of longer ones,
+        which leads to the same coefficients. By default it is the length of the design.
 
     Returns
     -------
     coefficients : (R, m) ndarray
-        c of each target.
+        Coefficients c of each target.
     ridges : (m,) ndarray
-        :math:`\lambda` of each.
+        Ridge :math:`\lambda` of each target.
     """
     left, sizes, right = np.linalg.svd(design, full_matrices=False)
     squares = sizes**2
     along = left.T @ targets
-    # What no coefficients can say, summed up rather than subtracted, which keeps its digits.
+    # The residual outside the range of the design is summed directly, because a subtraction would
+    # lose its digits.
     beyond = ((targets - left @ along) ** 2).sum(axis=0)
     tried = RIDGES * (squares[0] if squares.size and squares[0] > 0.0 else 1.0)
     left_over = tried[:, np.newaxis] / (squares + tried[:, np.newaxis])

@@ -1,4 +1,4 @@
-"""What the estimators share: scikit-learn's conventions, without needing it."""
+"""Common base of the estimators, which follow scikit-learn's conventions without importing it."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ from fuzzy2.systems.system import FuzzySystem
 class Estimator(Shown):
     """Parameters by name, and inputs that are checked against those of ``fit``.
 
-    A subclass stores its parameters as they were given, and ``fit`` leaves a system.
+    A subclass stores its parameters as given, and ``fit`` makes a system.
     """
 
     _learned: ClassVar[tuple[str, ...]] = ()
-    """Attributes that one :meth:`fit` makes and another may not."""
+    """Attributes that only some calls of :meth:`fit` set."""
 
     system_: FuzzySystem
     n_features_in_: int
@@ -57,12 +57,12 @@ class Estimator(Shown):
         Parameters
         ----------
         deep : bool
-            Not used: no parameter is an estimator.
+            Ignored, because no parameter is an estimator.
 
         Returns
         -------
         dict
-            Parameters as they were given.
+            Parameters as given.
         """
         names = sorted(
             name for name in inspect.signature(type(self).__init__).parameters if name != "self"
@@ -85,7 +85,7 @@ class Estimator(Shown):
         Raises
         ------
         UnknownName
-            If there is no such parameter; then none is set.
+            If there is no such parameter; none is set then.
         """
         known = self.get_params()
         for name in parameters:
@@ -100,7 +100,7 @@ class Estimator(Shown):
         return hasattr(self, "system_")
 
     def _remember(self, samples: Samples) -> None:
-        """Forget what was learned before, and note what the samples were."""
+        """Forget the last fit, and store the properties of the new samples."""
         for name in ("feature_names_in_", *self._learned):
             self.__dict__.pop(name, None)
         self.n_features_in_, self.n_outputs_ = samples.inputs.shape[1], samples.outputs.shape[1]
@@ -114,7 +114,7 @@ class Estimator(Shown):
         return self.system_
 
     def explain(self, x: ArrayLike) -> Explanation:
-        """Return which rules decided what is predicted for one input.
+        """Return an explanation of a prediction: the rules that decided it.
 
         Parameters
         ----------
@@ -124,13 +124,13 @@ class Estimator(Shown):
         Returns
         -------
         Explanation
-            See :meth:`fuzzy2.FuzzySystem.explain`. Of a classifier the outputs are the grades of
+            See :meth:`fuzzy2.FuzzySystem.explain`. The outputs of a classifier are the grades of
             the classes.
 
         Raises
         ------
         NotFitted, InvalidValue, NotNumbers, WrongFeatures
-            See :meth:`predict`; also if there are more inputs than one.
+            See :meth:`predict`; also if there is more than one input.
         """
         system = self._system()
         if hasattr(x, "to_frame") and np.ndim(x) == 1:
@@ -161,10 +161,10 @@ class Estimator(Shown):
 
 
 class Regressor(Estimator):
-    """An estimator of numbers: the outputs of the system that was learned."""
+    """Estimator that predicts numbers, the outputs of the learned system."""
 
     _poor_score: ClassVar[bool] = False
-    """Whether few samples of many inputs are too little for it, which scikit-learn asks."""
+    """Tag for scikit-learn: whether few samples with many inputs lead to a poor score."""
 
     def predict(self, X: ArrayLike) -> Array:
         """Return the crisp outputs of the system.
@@ -177,14 +177,15 @@ class Regressor(Estimator):
         Returns
         -------
         (n,) or (n, m) ndarray
-            Outputs, of one or two dimensions as those of :meth:`fit`; NaN where no rule fires. An
-            array also of a data frame, as all of scikit-learn's; ``system_(X)`` is a data frame.
+            Outputs with as many dimensions as those of :meth:`fit`; NaN where no rule fires. It is
+            an array even if ``X`` is a data frame, as for all estimators of scikit-learn;
+            ``system_(X)`` returns a data frame.
 
         Raises
         ------
         NotFitted
-            If there is no system yet; scikit-learn's ``NotFittedError`` as well, if that is
-            imported.
+            If there is no system yet. The error is also scikit-learn's ``NotFittedError`` if
+            scikit-learn is imported.
         InvalidValue, NotNumbers, WrongFeatures
             If the inputs are not finite numbers, or not those of :meth:`fit`.
         """
@@ -194,8 +195,8 @@ class Regressor(Estimator):
     def predict_interval(self, X: ArrayLike) -> Array:
         """Return the type-reduced intervals of the system.
 
-        They show what the uncertainty of the terms does to the output. They are no confidence
-        intervals: how often they cover the truth is not known.
+        They show the effect of the terms' uncertainty on the output. They are not confidence
+        intervals: their coverage probability is not known.
 
         Parameters
         ----------
@@ -205,9 +206,9 @@ class Regressor(Estimator):
         Returns
         -------
         (n, 2) or (n, m, 2) ndarray
-            Left and right ends, NaN where no rule fires. Of ``kind="gt2"`` those of the lowest
-            α-plane, or two standard deviations to both sides of the mean under
-            ``reduction="gaussian"``.
+            Left and right ends; NaN where no rule fires. For ``kind="gt2"`` they are those of the
+            lowest α-plane, or with ``reduction="gaussian"`` two standard deviations on both sides
+            of the mean.
 
         Raises
         ------
@@ -233,25 +234,25 @@ class Regressor(Estimator):
         y : (n,) or (n, m) array_like
             True outputs.
         sample_weight : (n,) array_like, optional
-            How much each sample counts, 1 by default.
+            Weight of each sample, 1 by default.
 
         Returns
         -------
         float
-            At most 1; the plain average over the outputs. An output that is constant counts 1 if it
-            is met exactly and else 0. NaN if no rule fires at some input.
+            The score, at most 1, averaged over the outputs. A constant output scores 1 if it is
+            predicted exactly and 0 otherwise. NaN if no rule fires at some input.
 
         Raises
         ------
         NotFitted, InvalidValue, NotNumbers, WrongFeatures
-            See :meth:`predict`; also if ``y`` has not as many outputs as in :meth:`fit`.
+            See :meth:`predict`; also if ``y`` does not have as many outputs as in :meth:`fit`.
         """
         predicted = self._system()(self._inputs(X))
         truth, _ = table_of_outputs(y, len(predicted))
         if truth.shape != predicted.shape:
             raise InvalidValue("y", truth.shape, f"of {predicted.shape[1]} outputs, as in fit")
         weights = weights_of(sample_weight, len(predicted))
-        # The score has no unit, so that what is squared may be of any size.
+        # The score has no unit, so the values can be scaled before they are squared.
         exponent = binary_exponent(np.stack([truth, predicted]))
         truth, predicted = np.ldexp(truth, -exponent), np.ldexp(predicted, -exponent)
         residual = weights @ (truth - predicted) ** 2
@@ -265,7 +266,7 @@ class Regressor(Estimator):
     def __sklearn_tags__(self) -> Any:
         """Return scikit-learn's description of the estimator.
 
-        Only scikit-learn itself asks for it.
+        Only scikit-learn calls it.
         """
         from sklearn.utils import InputTags, RegressorTags, Tags, TargetTags
 
@@ -284,13 +285,13 @@ def _same(value: Any, default: Any) -> bool:
 def _not_fitted(name: str) -> NotFitted:
     """Return the error for an estimator without a system.
 
-    It is scikit-learn's as well where that is imported.
+    It is also scikit-learn's error if scikit-learn is imported.
     """
     exceptions: Any = sys.modules.get("sklearn.exceptions")
     if exceptions is None:
         return NotFitted(name)
 
-    # a base that is known at run time only
+    # a base class that is only known at run time
     class NotFittedForScikitLearn(NotFitted, exceptions.NotFittedError):  # type: ignore[misc]
         """Both this package's error and scikit-learn's."""
 

@@ -1,8 +1,8 @@
-r"""Gradient fine-tuning of a system: means, spreads and consequents that predict samples better.
+r"""Gradient fine-tuning of a system's means, spreads and consequents.
 
 The objective is the mean squared error of the crisp output :math:`y = (y_l + y_r)/2`, each output
-in units of its standard deviation :math:`s_j` over the samples (so that a mass and a force count
-alike):
+in units of its standard deviation :math:`s_j` over the samples, so that outputs with different
+units have equal weight:
 
 .. math:: E = \frac{1}{N m} \sum_{n=1}^{N} \sum_{j=1}^{m}
           \left(\frac{y_{nj} - \hat y_{nj}}{s_j}\right)^2
@@ -35,16 +35,16 @@ _FIRST_DECAY, _SECOND_DECAY, _TINY = 0.9, 0.999, 1e-8  # of Adam, as published
 
 
 class FineTuning(NamedTuple):
-    """What :func:`fine_tune` returns."""
+    """Result of :func:`fine_tune`."""
 
     system: FuzzySystem
-    """A new system, that of the smallest validation error."""
+    """A new system, the one with the smallest validation error."""
     training_errors: Array
     """Objective over the training samples before the first and after every epoch, (E + 1,)."""
     validation_errors: Array
     """Objective over the validation samples, (E + 1,)."""
     best_epoch: int
-    """Epoch after which the system was best; 0 is the system as it was given."""
+    """Epoch after which the system was best; 0 stands for the given system."""
     stopped_early: bool
     """Whether the validation error stopped falling before the epochs were used up."""
 
@@ -60,22 +60,23 @@ def fine_tune(
     patience: int = 50,
     validation_share: float = 0.2,
 ) -> FineTuning:
-    """Return a system with the same rules that follows samples better.
+    """Return a system with the same rules that fits samples better.
 
-    Means, spreads and consequents are tuned.
+    Means, spreads and consequents are tuned; the rules are kept.
 
-    Adam on all training samples at once. Means move in units of the input's range over the samples,
-    spreads in relative units, consequents in units of the output's standard deviation, so that one
-    learning rate suits all. What is certain stays so: a type-1 term stays type-1, a crisp
-    consequent crisp; the two means (standard deviations, ends) of an uncertain one move separately,
-    but never past each other.
+    The method is Adam on all training samples at once. Means are measured in units of the input's
+    range over the samples, spreads in relative units, and consequents in units of the output's
+    standard deviation, so one learning rate suits all. Type-1 terms stay type-1, and crisp
+    consequents stay crisp. The two means (or standard deviations, or ends) of an uncertain term or
+    consequent move independently, but never past each other.
 
     Parameters
     ----------
     system : Type1System or IntervalType2System
-        Where to start from; it is not changed. Terms are Gaussians, with uncertain mean or
-        uncertain standard deviation, consequents numbers, intervals or linear, the t-norm product
-        or minimum, the type reduction center of sets.
+        Initial system, which is not changed. Its terms must be Gaussians, possibly with an
+        uncertain mean or standard deviation, and its consequents numbers, intervals or linear
+        functions. The t-norm must be the product or the minimum, and the type reduction center of
+        sets.
     X : (N, p) array_like
         Inputs of the samples.
     y : (N,) or (N, m) array_like
@@ -83,28 +84,28 @@ def fine_tune(
     rng : numpy.random.Generator
         Chooses the validation samples.
     learning_rate : float
-        Largest change of a parameter per epoch, roughly, in the units above; at most 1.
+        Approximate largest change of a parameter per epoch, in the units above; at most 1.
     most_epochs : int
-        Epochs at most.
+        Greatest number of epochs.
     patience : int
-        Epochs without a smaller validation error after which to stop.
+        Epochs without a smaller validation error after which tuning stops.
     validation_share : float
-        Share of the samples, in (0, 1), that are not learned from but tell when to stop; at least
-        one sample.
+        Share of the samples, in (0, 1), that are not used for learning but for early stopping; at
+        least one sample.
 
     Returns
     -------
     FineTuning
-        The best system, and the errors on the way. Its validation error is never above that of the
-        given system.
+        The best system, and the errors after every epoch. The validation error of the system is
+        never above that of the given one.
 
     Raises
     ------
     NotApplicable
         If the system has parts that cannot be tuned.
     InvalidValue
-        If the samples are not finite or of other shapes, no rule fires at one of them, or an option
-        is outside of what it can be.
+        If the samples are not finite or have wrong shapes, if no rule fires at one of them, or if
+        an option is outside its range.
 
     Notes
     -----
@@ -135,7 +136,7 @@ def fine_tune(
         output_scales=_scales(outputs.std(axis=0)),
     )
     parameters = best = tunable.parameters
-    # in the order of the samples, so that an error names the right one
+    # Indices stay in the order of the samples, so that an error names the right one.
     tunable.error(parameters, inputs, outputs)
     first, second = np.zeros_like(parameters), np.zeros_like(parameters)
     error, gradient = tunable.objective(parameters, inputs[training], outputs[training])
@@ -151,13 +152,13 @@ def fine_tune(
         )
         parameters = tunable.admissible(parameters - learning_rate * step)
         try:
-            # what overflows makes terms that are refused
+            # parameters that overflow make invalid terms, which are refused
             with np.errstate(over="ignore", invalid="ignore"):
                 error, gradient = tunable.objective(parameters, inputs[training], outputs[training])
                 validation_error = tunable.error(
                     parameters, inputs[validation], outputs[validation]
                 )
-        except InvalidValue:  # steps so large that no rule fires at some sample any more
+        except InvalidValue:  # the steps were so large that no rule fires at some sample any more
             break
         training_errors.append(error)
         validation_errors.append(validation_error)
@@ -189,5 +190,5 @@ def _samples(system: FuzzySystem, X: ArrayLike, y: ArrayLike) -> tuple[Array, Ar
 
 
 def _scales(widths: Array) -> Array:
-    """Return widths, and 1 for those that are zero, or too small to be divided by."""
+    """Return the widths, with 1 for those that are zero or too small to divide by."""
     return np.where(widths > LEAST_RANGE, widths, 1.0)

@@ -1,17 +1,17 @@
 r"""Hybrid learning of Takagi–Sugeno–Kang systems: least squares inside, Gauss–Newton outside.
 
-For given premises :math:`\theta` the best coefficients are those of linear least squares,
+For given premises :math:`\theta` the best coefficients follow from linear least squares,
 
 .. math:: c(\theta) = \arg\min_c \lVert y - \Phi(\theta)\, c \rVert^2 + \lambda N \lVert c \rVert^2,
 
-so that the premises alone are searched for (variable projection): Levenberg and Marquardt's step
+so only the premises are searched (variable projection). The search takes Levenberg–Marquardt steps
 for :math:`\lVert y - \Phi(\theta)\, c(\theta) \rVert^2`, with Kaufman's derivative
 
 .. math:: (I - \Phi (\Phi^T \Phi + \lambda N I)^{-1} \Phi^T)\,
           \frac{\partial \Phi}{\partial \theta}\, c.
 
-It is the hybrid rule of ANFIS, whose backward pass takes a gradient step, with a second-order step
-in that place. All of it goes through a singular value decomposition of the basis.
+This is the hybrid rule of ANFIS, with a second-order step in place of the gradient step of its
+backward pass. The computations use a singular value decomposition of the basis.
 
 Sources: J.-S. R. Jang, "ANFIS: adaptive-network-based fuzzy inference system", IEEE Transactions on
 Systems, Man, and Cybernetics 23(3), 1993; G. H. Golub and V. Pereyra, "The differentiation of
@@ -33,21 +33,21 @@ FIRST_DAMPING = 1e-3
 SWITCHES = 4
 """Least-squares solutions of an interval system, each at the switch points of the last one."""
 MOST_TRIALS = 12
-"""Damped steps that are tried before an epoch is the last one."""
+"""Number of damped steps that are tried before learning ends."""
 LONGEST_STEP = 3.0
-"""Of a mean in standard deviations of its input, and of the logarithm of a spread."""
+"""Longest step of a mean, in standard deviations of its input, and of the logarithm of a spread."""
 LEAST_INNER_GAIN = 1e-3
-"""The same of the consequents of an interval system between two epochs."""
+"""Fall of the objective below which the consequents of an interval system have converged."""
 AS_GOOD = 1.3
-"""Errors over samples held back that are so many times the least say nothing against learning on.
+"""Held-out errors below this multiple of the smallest one do not stop learning.
 
-Of interval systems only, whose error jumps about its level as switch points change; the mean of a
-hundred squares is not known better than to a seventh.
+This holds only for interval systems, whose error jumps as switch points change. The mean of a
+hundred squares is only known to about a seventh.
 """
 LEAST_GAIN = 1e-7
 """Relative fall of the objective below which learning has converged."""
 WIDEST = 10.0
-"""Logarithm of the ratio of a spread and that of its input, to both sides."""
+"""Greatest absolute logarithm of the ratio between a spread and that of its input."""
 
 
 @dataclass(frozen=True)
@@ -64,17 +64,17 @@ class Data:
         return np.concatenate([np.ones((len(self.X), 1)), self.X], axis=1)
 
     def error(self, predicted: Array) -> float:
-        """Return the mean squared error, over outputs and weighted over samples."""
+        """Return the mean squared error over outputs and weighted samples."""
         squares = ((predicted - self.y) ** 2).mean(axis=1)
         return float(self.weights @ squares / self.weights.sum())
 
 
 @dataclass(frozen=True)
 class Output:
-    """One output's least squares: coefficients, residual, and the basis they are of."""
+    """Least squares of one output: coefficients, residual, and their basis."""
 
     coefficients: Array
-    """(R, p + 1)."""
+    """Coefficients, (R, p + 1)."""
     z: Array
     """Consequents at the samples, (N, R)."""
     ends: list[End]
@@ -83,7 +83,7 @@ class Output:
     shrink: Array
     r"""Filter factors :math:`s^2 / (s^2 + \lambda N)`, (k,)."""
     residual: Array
-    """Weighted, (N,)."""
+    """Weighted residuals, (N,)."""
     cost: float
 
 
@@ -108,19 +108,19 @@ class State:
 
 @dataclass(frozen=True)
 class History:
-    """What :meth:`Learner.learn` went through."""
+    """History of :meth:`Learner.learn`."""
 
     state: State
-    """The best state, by the validation samples where there are some."""
+    """The best state, by the validation samples if there are any."""
     training_errors: list[float]
     validation_errors: list[float]
     best_epoch: int
-    """The last one that is as good as the best by the validation samples."""
+    """The last epoch that is as good as the best one, by the validation samples."""
     stopped_early: bool
 
 
 class Learner:
-    """Hybrid learning of given premises from given samples."""
+    """Hybrid learning from given premises and samples."""
 
     def __init__(self, premises: Premises, data: Data, ridge: float) -> None:
         self.premises, self.data = premises, data
@@ -131,8 +131,8 @@ class Learner:
     def solved(self, parameters: Array, coefficients: Array | None = None) -> State:
         """Return the best consequents for premises.
 
-        Those of an interval system are better than given ones, as good as their switch points let
-        them be.
+        For an interval system they are better than the given consequents, as far as the switch
+        points allow.
         """
         grades = self.premises.grades(parameters, self.data.X)
         if not self.premises.is_interval:
@@ -146,8 +146,8 @@ class Learner:
     def _for_switches(self, grades: Grades, coefficients: Array, j: int) -> Output:
         """Return consequents of an interval system's output that are better than given ones.
 
-        Least squares for the switch points of the last ones points downhill, but may go beyond
-        other switch points; then less of the way is gone.
+        Least squares for the current switch points give a descent direction, but the step may pass
+        other switch points. It is then shortened.
         """
         current = self._evaluated(grades, coefficients, j)
         for _ in range(SWITCHES):
@@ -166,7 +166,7 @@ class Learner:
         return replace(current, left=left, shrink=shrink)
 
     def _evaluated(self, grades: Grades, coefficients: Array, j: int) -> Output:
-        """Return an output of given coefficients, at the switch points of these."""
+        """Return an output with given coefficients, at the switch points of these coefficients."""
         z = self._constant @ coefficients.T
         ends = self.premises.ends(grades, z)
         predicted = np.mean([(end.shares * z).sum(axis=1) for end in ends], axis=0)
@@ -179,7 +179,7 @@ class Learner:
         """Return left singular vectors, filter factors, and the matrix from targets to c."""
         weighted = self._root * basis
         if weighted.shape[0] < weighted.shape[1]:
-            # Fewer samples than coefficients: the products of the rows say all.
+            # If there are fewer samples than coefficients, the inner products of the rows suffice.
             squares, left = np.linalg.eigh(weighted @ weighted.T)
             squares = np.maximum(squares, 0.0)
             inverse = left / (squares + self._penalty)
@@ -203,7 +203,7 @@ class Learner:
         return found
 
     def predicted(self, state: State, X: Array) -> Array:
-        """Return the outputs (N, m) of a state at any inputs, in units of the samples'."""
+        """Return the outputs (N, m) of a state at any inputs, in units of the samples' outputs."""
         grades = self.premises.grades(state.parameters, X)
         constant = np.concatenate([np.ones((len(X), 1)), X], axis=1)
         columns = []
@@ -216,7 +216,7 @@ class Learner:
     def learn(
         self, start: State, most_epochs: int, validation: Data | None, patience: int
     ) -> History:
-        """Improve a state, until it is as good as it gets or the validation samples say stop."""
+        """Improve a state until it no longer gets better or the validation samples stop it."""
         as_good = AS_GOOD if self.premises.is_interval else 1.0
         state, damping, best, best_epoch = start, FIRST_DAMPING, start, 0
         training = [self.data.error(self.predicted(state, self.data.X))]
@@ -253,7 +253,7 @@ class Learner:
         return History(best, training, checked, best_epoch, stopped)
 
     def _step(self, state: State, damping: float) -> tuple[State, float] | None:
-        """Return a better state and the next damping; None if there is none nearby."""
+        """Return a better state and the next damping; None if no better state is found nearby."""
         count = len(state.parameters)
         curvature, descent = np.zeros((count, count)), np.zeros(count)
         for output in state.outputs:
@@ -268,7 +268,7 @@ class Learner:
         diagonal = np.diag(curvature)
         floor = 1e-12 * diagonal.max(initial=0.0)
         if not floor > 0.0:
-            return None  # no parameter matters any more
+            return None  # no parameter has an effect any more
         diagonal = np.maximum(diagonal, floor)
         for _ in range(MOST_TRIALS):
             step = np.linalg.solve(curvature + damping * np.diag(diagonal), descent)

@@ -1,12 +1,12 @@
-r"""Noise of a given signal-to-noise ratio.
+r"""Noise with a given signal-to-noise ratio, and the mean variation of type-2 terms for it.
 
-And how uncertain the means of type-2 terms should be when records are that noisy.
+The mean variation is how uncertain the means of type-2 terms should be for records with that noise.
 
-The width that the terms of a type-2 system need grows with the noise of the data that its rules are
-learned from, and is zero without noise, where the type-1 system is right. The rule of
-:func:`mean_variation_from_snr` is a choice, not a theorem: zero for infinite ratios, in proportion
-to the amplitude of weak noise, and level for strong noise, because terms that are much wider than
-the distance between them no longer tell inputs apart.
+The footprints that a type-2 system needs become wider with the noise of the data from which its
+rules are learned. Without noise, type-1 terms are right and the width is zero. The rule of
+:func:`mean_variation_from_snr` is a choice, not a theorem. It is zero for infinite ratios,
+proportional to the amplitude of weak noise, and levels off for strong noise, because terms much
+wider than their spacing no longer distinguish inputs.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ HALFWAY_SNR = 30.0
 
 
 def mean_variation_from_snr(snr_db: ArrayLike) -> Array:
-    r"""Return the mean variation of type-2 terms for records of a signal-to-noise ratio.
+    r"""Return the mean variation of type-2 terms for records with a signal-to-noise ratio.
 
     .. math:: \nu(S) = \frac{0.4}{1 + 10^{(S - 30)/20}} = 0.4\,\frac{q}{q + q_{30}}, \qquad
               q = 10^{-S/20}, \quad q_{30} = 10^{-30/20}
 
-    with S in decibels and q the ratio of noise to signal amplitude. It is 0.30, 0.34 and 0.36 at
-    20, 15 and 10 dB, falls in proportion to the amplitude of the noise where that is small, and is
-    0 at an infinite ratio.
+    with S in decibels and the ratio q of noise amplitude to signal amplitude. It is 0.30, 0.34 and
+    0.36 at 20, 15 and 10 dB. It is proportional to the amplitude of weak noise, and 0 at an
+    infinite ratio.
 
     Parameters
     ----------
@@ -52,13 +52,13 @@ def mean_variation_from_snr(snr_db: ArrayLike) -> Array:
 
     Notes
     -----
-    The two constants are chosen so that the noise levels of Table 6.3 (20, 15 and 10 dB) get the
-    0.3 to 0.4 of each input's range with which the computed-torque controller of chapter 5, learned
-    by firing-weighted averages from records that noisy, keeps 0.3 to 0.6 of the type-1 controller's
-    squared error (at 0.3: 0.57, 0.47, 0.44; at 0.4: 0.48, 0.33, 0.28; ten seeds).
+    The two constants are chosen so that the noise levels of Table 6.3 (20, 15 and 10 dB) lead to
+    mean variations of 0.3 to 0.4. With these, the computed-torque controller of chapter 5, learned
+    by firing-weighted averages from records with that noise, has 0.3 to 0.6 of the type-1
+    controller's squared error (at 0.3: 0.57, 0.47, 0.44; at 0.4: 0.48, 0.33, 0.28; ten seeds).
     """
     ratios = _numbers("snr_db", snr_db)
-    # the power of a huge ratio is infinite, and the variation then 0
+    # the power of a huge ratio is infinite, and the variation is then 0
     with np.errstate(over="ignore"):
         return np.asarray(
             GREATEST_MEAN_VARIATION / (1.0 + 10.0 ** ((ratios - HALFWAY_SNR) / 20.0))
@@ -66,7 +66,7 @@ def mean_variation_from_snr(snr_db: ArrayLike) -> Array:
 
 
 def snr_from_mean_variation(mean_variation: ArrayLike) -> Array:
-    r"""Return the signal-to-noise ratio that a mean variation is made for.
+    r"""Return the signal-to-noise ratio that leads to a mean variation.
 
     It is the inverse of :func:`mean_variation_from_snr`.
 
@@ -86,7 +86,7 @@ def snr_from_mean_variation(mean_variation: ArrayLike) -> Array:
     Raises
     ------
     InvalidValue
-        If a mean variation is outside of [0, 0.4].
+        If a mean variation is outside [0, 0.4].
     """
     variations = _numbers("mean_variation", mean_variation)
     if not ((variations >= 0.0) & (variations <= GREATEST_MEAN_VARIATION)).all():
@@ -97,24 +97,24 @@ def snr_from_mean_variation(mean_variation: ArrayLike) -> Array:
         )
     with np.errstate(divide="ignore", over="ignore"):
         logarithms = np.log10(GREATEST_MEAN_VARIATION / variations - 1.0)
-        # The quotient overflows long before its logarithm does.
+        # The quotient overflows long before its logarithm would.
         beyond = np.log10(GREATEST_MEAN_VARIATION) - np.log10(variations)
         logarithms = np.where(np.isposinf(logarithms), beyond, logarithms)
         return np.asarray(HALFWAY_SNR + 20.0 * logarithms)[()]
 
 
 def add_noise(signal: ArrayLike, snr_db: float, rng: np.random.Generator) -> Array:
-    r"""Return a signal with white Gaussian noise of a given signal-to-noise ratio added.
+    r"""Return a signal with white Gaussian noise with a given signal-to-noise ratio added.
 
     .. math:: y_t = x_t + \sqrt{P\,10^{-S/10}}\;\varepsilon_t, \qquad
               P = \frac{1}{N} \sum_t x_t^2, \quad \varepsilon_t \sim N(0, 1)
 
-    The power P of the signal is its mean square, its mean included, not its variance.
+    The power P of the signal is its mean square, not its variance, so it includes the mean.
 
     Parameters
     ----------
     signal : (N, ...) array_like
-        Samples along the first axis; every column is a signal of its own, with its own power.
+        Samples along the first axis; every column is a separate signal with its own power.
     snr_db : float
         Signal-to-noise ratio S [dB]; infinity adds nothing.
     rng : numpy.random.Generator
@@ -129,8 +129,8 @@ def add_noise(signal: ArrayLike, snr_db: float, rng: np.random.Generator) -> Arr
     Raises
     ------
     InvalidValue
-        If the signal is empty or not finite, or not with the noise; the ratio is not a number or
-        minus infinity, or ``rng`` is not a Generator.
+        If the signal is empty or not finite, or is not finite after adding the noise; if the ratio
+        is NaN or minus infinity; or if ``rng`` is not a Generator.
     """
     samples = reals("signal", signal)
     if samples.ndim == 0 or samples.size == 0 or not np.isfinite(samples).all():
@@ -151,9 +151,10 @@ def add_noise(signal: ArrayLike, snr_db: float, rng: np.random.Generator) -> Arr
 
 
 def _root_mean_square(samples: Array) -> Array:
-    """Return the root of the mean square of every column, whatever their size."""
+    """Return the root mean square of every column, whatever its magnitude."""
     columns = samples.reshape(len(samples), -1)
-    # Each column by its own power of two: another one may be of another order altogether.
+    # Each column is scaled by its own power of two, because columns may have very different
+    # magnitudes.
     exponents = np.array([binary_exponent(column) for column in columns.T], dtype=int)
     roots = np.sqrt(np.mean(np.ldexp(columns, -exponents) ** 2, axis=0))
     return np.asarray(np.ldexp(roots, exponents).reshape(samples.shape[1:]))

@@ -1,4 +1,4 @@
-"""Partitions of an input's range into terms, and their names."""
+"""Partitions of an input's range into terms, and names of terms."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def gaussian_partition(
 
     A single term has its mean in the middle of the range and membership 1/2 at both ends. With a
     crossing of 1/2 the memberships of two neighbors add up to between 1 and 17/16 everywhere
-    between their means: no part of the range counts much more than another.
+    between their means, so no part of the range has much more weight than another.
 
     Parameters
     ----------
@@ -48,12 +48,12 @@ def gaussian_partition(
         Number K of terms, at least 1.
     kind : {"t1", "it2", "gt2"}
         Type-1 Gaussians; Gaussians with uncertain mean :math:`m_k \pm \nu (b - a)`; or Gaussian
-        principal memberships with Gaussian secondary grades of standard deviation
-        :math:`\nu (b - a)\, e^{-1/2} / (\sqrt{3}\,\sigma)`, which is to first order what a mean
-        spread evenly over that interval does to the membership where that is steepest.
+        principal memberships with Gaussian secondary grades of standard deviation :math:`\nu (b -
+        a)\, e^{-1/2} / (\sqrt{3}\,\sigma)`. To first order, this is the standard deviation that a
+        mean distributed uniformly over that interval gives the membership where it is steepest.
     mean_variation : float
-        Distance :math:`\nu` of the smallest and the largest mean from the middle as a share of the
-        range, at least 0; 0 is type-1. Not used by "t1".
+        Distance :math:`\nu` of the smallest and the largest mean from the middle, as a share of the
+        range, at least 0; 0 makes type-1 terms. Ignored by "t1".
 
     Returns
     -------
@@ -63,7 +63,7 @@ def gaussian_partition(
     Raises
     ------
     InvalidValue
-        If the range has no width, or a number is outside of what it can be.
+        If the range has no width, or an argument is outside its range.
     UnknownName
         If the kind is unknown.
     """
@@ -86,7 +86,7 @@ def gaussian_partition(
 
 
 def _gaussian_terms(means: Array, sigmas: Array, kind: str, reach: float) -> tuple[Term, ...]:
-    """Return Gaussian terms of a kind whose means are uncertain by ``reach`` to both sides.
+    """Return Gaussian terms whose means are uncertain by ``reach`` on both sides.
 
     See :func:`gaussian_partition`.
     """
@@ -106,22 +106,22 @@ def _gaussian_terms(means: Array, sigmas: Array, kind: str, reach: float) -> tup
 def cluster_partition(
     clusters: Clusters, widths: ArrayLike, kind: str = "it2", mean_variation: float = 0.0
 ) -> tuple[tuple[tuple[Term, ...], ...], Integers]:
-    r"""Return projections of clusters on the inputs as Gaussian terms, and a rule for each.
+    r"""Return the projections of clusters on the inputs as Gaussian terms, and a rule per cluster.
 
-    The term of cluster k on input i has the center :math:`v_{ki}` for its mean and the spread of
-    the cluster's samples along that input,
+    The term of cluster k on input i has the center :math:`v_{ki}` as its mean, and as its standard
+    deviation the spread of the cluster's samples along that input,
 
     .. math:: \sigma_{ki}^2 = \frac{\sum_n u_{nk}^m (x_{ni} - v_{ki})^2}{\sum_n u_{nk}^m},
 
-    for its standard deviation. (M. Sugeno and T. Yasukawa, "A fuzzy-logic-based approach to
-    qualitative modeling", IEEE Transactions on Fuzzy Systems 1(1), 1993, for rules by projection.)
+    (M. Sugeno and T. Yasukawa, "A fuzzy-logic-based approach to qualitative modeling", IEEE
+    Transactions on Fuzzy Systems 1(1), 1993, for rules by projection.)
 
     Parameters
     ----------
     clusters : Clusters
         K clusters of samples of p inputs, see :func:`fuzzy2.fuzzy_c_means`.
     widths : (p,) array_like
-        What the mean variation is a share of, such as the inputs' ranges; above 0.
+        Lengths to which the mean variation is relative, such as the inputs' ranges; above 0.
     kind, mean_variation
         See :func:`gaussian_partition`.
 
@@ -130,13 +130,13 @@ def cluster_partition(
     terms : tuple of p tuples of K sets
         The terms of every input in ascending order of their means.
     rules : (K, p) ndarray of int
-        Which term of each input belongs to each cluster.
+        Number of each input's term for each cluster.
 
     Raises
     ------
     InvalidValue
-        If all samples of a cluster have the same value of an input, so that it has no width there,
-        or a number is outside of what it can be.
+        If all samples of a cluster have the same value of an input, so that its width there is 0,
+        or if an argument is outside its range.
     UnknownName
         If the kind is unknown.
     """
@@ -163,9 +163,10 @@ def cluster_partition(
 def partition_of_centers(
     centers: Array, spreads: Array, reaches: Array, kind: str
 ) -> tuple[tuple[tuple[Term, ...], ...], Integers]:
-    """Return terms about the coordinates of centers (K, p), and a rule for each center.
+    """Return terms at the coordinates of centers (K, p), and a rule for each center.
 
-    Standard deviations are ``spreads`` (K, p); means are uncertain by ``reaches`` (p,).
+    The terms have the standard deviations ``spreads`` (K, p), and their means are uncertain by
+    ``reaches`` (p,).
     """
     order = np.argsort(centers, axis=0, kind="stable")
     terms = tuple(
@@ -178,7 +179,7 @@ def partition_of_centers(
 def term_names(n_terms: int) -> tuple[str, ...]:
     """Return names for the terms of a partition in ascending order.
 
-    Low, Mid and High for up to three, else with numbers.
+    Up to three terms are called Low, Mid and High; more terms have numbers.
     """
     known: dict[int, tuple[str, ...]] = {1: ("Any",), 2: ("Low", "High"), 3: ("Low", "Mid", "High")}
     count = whole_number("n_terms", n_terms, 1)
@@ -191,7 +192,7 @@ def principal_terms(least: float, greatest: float, n_terms: int) -> tuple[Gaussi
 
 
 def gaussian_terms(inputs: Sequence[tuple[Term, ...]]) -> list[tuple[Gaussian, ...]]:
-    """Return the same terms, which are type-1 Gaussians, as what they are."""
+    """Return the same terms with the type of type-1 Gaussians, which they are."""
     return [tuple(term for term in terms if isinstance(term, Gaussian)) for terms in inputs]
 
 
@@ -204,14 +205,14 @@ def centroid_of_term(term: Term) -> tuple[float, float]:
     """Return left and right end of the centroid of a term."""
     assert not isinstance(term, GaussianType2Set)
     if isinstance(term, Gaussian) or term.mean[0] == term.mean[1]:
-        # The centroid of a Gaussian is its mean; quadrature would put rounding in its place.
+        # The centroid of a Gaussian is its mean; quadrature would add rounding errors.
         mean = term.mean if isinstance(term, Gaussian) else term.mean[0]
         return mean, mean
     return term.centroid()
 
 
 def terms_per_input(n_terms: int | Sequence[int], count: int) -> list[int]:
-    """Return the number of terms of each input, from one for all of them or one for each."""
+    """Return the number of terms of each input, given as one number or one per input."""
     requirement = f"one whole number, or one for each of the {count} inputs"
     if reals("n_terms", n_terms, requirement).ndim == 0:
         return [whole_number("n_terms", n_terms, 1)] * count

@@ -1,16 +1,16 @@
-r"""Gaussian premises as a vector of parameters, with the basis of linear consequents.
+r"""Gaussian premises as a vector of parameters, with the basis functions of linear consequents.
 
-Under the product the firing of a rule is a sum of logarithms, so that the shares of the rules,
+Under the product the logarithm of a rule's firing is a sum. So the shares of the rules,
 
 .. math:: \phi_r = \frac{w_r}{\sum_s w_s}, \qquad
           \log w_r = -\frac{1}{2} \sum_i \frac{u_{ri}^2}{\sigma_{ri}^2},
 
-are right however small all of them are. With uncertain means, :math:`m \pm \rho`, the distance
-:math:`|u| = |x - m|` is less by :math:`\rho` in the upper membership (and not below 0) and greater
-by it in the lower one. Both ends of the type-reduced interval are then averages
-:math:`\sum_r \phi_r z_r` with upper weights on one side of the end and lower weights on the other,
-found exactly, and the output is their middle. With the switch points held it is linear in the
-consequents, and its derivatives are those of these averages.
+are accurate even if all firing strengths are tiny. With uncertain means :math:`m \pm \rho`, the
+distance :math:`|u| = |x - m|` is smaller by :math:`\rho` in the upper membership (but not below 0)
+and larger by :math:`\rho` in the lower membership. Both ends of the type-reduced interval are then
+averages :math:`\sum_r \phi_r z_r`, with upper weights on one side of the end and lower weights on
+the other. They are found exactly, and the output is their middle. For fixed switch points it is
+linear in the consequents, and its derivatives are those of the averages.
 """
 
 from __future__ import annotations
@@ -25,32 +25,32 @@ from fuzzy2.support.checks import Array
 
 
 class End(NamedTuple):
-    """Shares of the rules at one end of the interval, and which of them are upper weights."""
+    """Shares of the rules at one end of the interval, and which of their weights are upper ones."""
 
     shares: Array
-    """(N, R), each row adds up to 1."""
+    """Shares (N, R); each row adds up to 1."""
     takes_upper: NDArray[np.bool_] | None
-    """(N, R); None where upper and lower weights are the same."""
+    """Whether a weight is the upper one, (N, R); None if upper and lower weights are equal."""
 
 
 class Grades(NamedTuple):
-    """Scaled distances of samples from terms, (N, T), of lower and upper membership."""
+    """Scaled distances of samples from terms, (N, T), for the lower and the upper membership."""
 
     lower: Array
     upper: Array
 
 
 class Premises:
-    """Terms and rules, of which means and logarithms of standard deviations are parameters.
+    """Terms and rules; means and logarithms of standard deviations are parameters.
 
     Parameters
     ----------
     owners : (T,) ndarray of int
         Number of the input of each term.
     rules : (R, p) ndarray of int
-        Number of the term, among all T, of each input that a rule asks for.
+        Number of each input's term in each rule, among all T terms.
     reaches : (T,) ndarray
-        How far each mean is uncertain to either side, at least 0; not learned.
+        Uncertainty of each mean on either side, at least 0; it is not learned.
     """
 
     def __init__(self, owners: NDArray[np.int64], rules: NDArray[np.int64], reaches: Array) -> None:
@@ -60,7 +60,7 @@ class Premises:
         self.is_interval = bool((reaches > 0.0).any())
 
     def grades(self, parameters: Array, X: Array) -> Grades:
-        """Return the distances (N, T) from the terms in standard deviations."""
+        """Return the distances (N, T) from the terms, in standard deviations."""
         means, sigmas = self._split(parameters)
         distance = X[:, self.owners] - means
         if not self.is_interval:
@@ -73,9 +73,9 @@ class Premises:
         )
 
     def ends(self, grades: Grades, z: Array | None) -> list[End]:
-        """Return the shares of the rules at both ends for consequents z (N, R).
+        """Return the shares of the rules at both ends, for consequents z (N, R).
 
-        Without uncertainty both are one, and z is not looked at.
+        Without uncertainty both ends have the same shares, and z is not used.
         """
         upper = -0.5 * (grades.upper**2 @ self.uses.T)
         largest = upper.max(axis=1, keepdims=True)
@@ -91,7 +91,7 @@ class Premises:
             takes_upper = away <= 0.0 if end == 0 else away >= 0.0
             weights = np.where(takes_upper, high, low)
             mass = weights.sum(axis=1, keepdims=True)
-            # Nothing but points beyond the end by rounding: the nearest one is the end.
+            # By rounding, all points may lie beyond the end; the end is then the nearest point.
             lost = ~(mass[:, 0] > 0.0)
             if lost.any():
                 nearest = np.abs(away[lost]).argmin(axis=1)
@@ -109,7 +109,7 @@ class Premises:
         return rows
 
     def slopes(self, parameters: Array, grades: Grades, ends: list[End], z: Array) -> Array:
-        """Return the derivatives (N, 2 T) of the output by the parameters."""
+        """Return the derivatives (N, 2 T) of the output with respect to the parameters."""
         _, sigmas = self._split(parameters)
         by_mean, by_spread = np.zeros_like(grades.upper), np.zeros_like(grades.upper)
         for shares, takes_upper in ends:

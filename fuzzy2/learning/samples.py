@@ -1,4 +1,4 @@
-"""Samples as tables: what an estimator is given, checked."""
+"""Checks of samples, which are converted to tables."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from fuzzy2.errors import InvalidValue, NotNumbers
 from fuzzy2.support.checks import Array, reals
 
 LEAST_RANGE = 1e-150
-"""The squares of numbers from this one to its inverse are floating-point numbers."""
+"""Numbers between this one and its inverse have squares that neither overflow nor underflow."""
 
 
 class Samples(NamedTuple):
-    """What an estimator learns from: samples that count, as tables, and the names of columns.
+    """Samples of nonzero weight as tables, and the names of columns.
 
-    ``inputs`` are (N, p), ``outputs`` (N, m), ``weights`` (N,) say how often each counts, and
-    ``numbers`` (N,) where it stood among those that were given.
+    ``inputs`` are (N, p), ``outputs`` (N, m), and ``weights`` (N,). ``numbers`` (N,) are the
+    numbers of the samples among all given samples.
     """
 
     inputs: Array
@@ -35,7 +35,7 @@ class Samples(NamedTuple):
 
 
 def samples_of(estimator: str, X: Any, y: Any, sample_weight: Any = None) -> Samples:
-    """Return samples of inputs and outputs, checked; those of weight 0 are left out."""
+    """Return checked samples of inputs and outputs; samples of weight 0 are left out."""
     names = column_names(X)
     inputs = table_of_samples("X", X)
     outputs, one_column = table_of_outputs(y, len(inputs), estimator)
@@ -69,7 +69,7 @@ def samples_of(estimator: str, X: Any, y: Any, sample_weight: Any = None) -> Sam
 
 
 def check_scale(name: str, table: Array) -> None:
-    """Refuse columns whose squared values or ranges are no floating-point numbers."""
+    """Refuse columns whose squared values or ranges overflow or underflow."""
     size, width = np.abs(table).max(axis=0, initial=0.0), np.ptp(table, axis=0)
     if (size > 1.0 / LEAST_RANGE).any() or ((width > 0.0) & (width < LEAST_RANGE)).any():
         raise InvalidValue(
@@ -81,7 +81,7 @@ def check_scale(name: str, table: Array) -> None:
 
 
 def ranges_of(what: str, names: Sequence[str], columns: Array) -> list[tuple[float, float]]:
-    """Return the range of every column; refuse one that has none."""
+    """Return the range of every column; refuse a column without a range."""
     least, greatest = columns.min(axis=0), columns.max(axis=0)
     for name, low, high in zip(names, least, greatest, strict=True):
         if not low < high:
@@ -95,7 +95,7 @@ def ranges_of(what: str, names: Sequence[str], columns: Array) -> list[tuple[flo
 
 
 def table_of_samples(name: str, values: Any) -> Array:
-    """Return samples as a table of finite floats, or say what is wrong with them."""
+    """Return samples as a table of finite floats, or raise an error that says what is wrong."""
     table = np.ascontiguousarray(_numbers(name, values))
     if table.ndim != 2:
         raise InvalidValue(
@@ -119,14 +119,14 @@ def table_of_samples(name: str, values: Any) -> Array:
 
 
 def _numbers(name: str, values: Any) -> Array:
-    """Return values as floats, with an error in the words that scikit-learn looks for."""
+    """Return values as floats, with errors in the words that scikit-learn's checks expect."""
     if hasattr(values, "toarray") and hasattr(values, "nnz"):
         raise NotNumbers(name, "it is a sparse matrix; pass a dense array, such as its toarray()")
     if isinstance(values, np.ma.MaskedArray):
         raise InvalidValue(name, values, "numbers without a mask, such as values.filled(0.0)")
     try:
         array = np.asarray(values)
-    except ValueError as error:  # rows of different lengths
+    except ValueError as error:  # the rows have different lengths
         raise InvalidValue(name, values, f"numbers ({error})") from error
     if array.dtype.kind == "c":
         raise InvalidValue(name, array.dtype, "real: Complex data not supported")
@@ -141,7 +141,7 @@ def _numbers(name: str, values: Any) -> Array:
 
 
 def table_of_outputs(y: Any, count: int, estimator: str = "the score") -> tuple[Array, bool]:
-    """Return the outputs as a table (N, m), and whether they had one dimension."""
+    """Return the outputs as a table (N, m), and whether they were one-dimensional."""
     if y is None:
         raise InvalidValue(
             "y",
@@ -167,7 +167,7 @@ def column_names(table: Any) -> list[str] | None:
 
 
 def weights_of(given: Any, count: int) -> Array:
-    """Return how much each sample counts, 1 where nothing is said; refuse what is no weight."""
+    """Return the weights of the samples, 1 by default; refuse invalid weights."""
     if given is None:
         return np.ones(count)
     weights = reals("sample_weight", given)

@@ -1,14 +1,14 @@
-r"""Subtractive clustering: the number of clusters follows from their width.
+r"""Subtractive clustering, in which the number of clusters follows from their radius.
 
-Every sample is a possible center, and its potential counts the samples about it,
+Every sample is a possible center, and its potential measures the density of samples around it,
 
 .. math:: P_i = \sum_j e^{-4 \lVert x_i - x_j \rVert^2 / r_a^2},
 
-with columns divided by their ranges. The sample of the greatest potential is a center; what it
-explains is subtracted from all others, :math:`P_i \leftarrow P_i - P_1
-e^{-4 \lVert x_i - x_1 \rVert^2 / r_b^2}`, and so on. A sample whose potential is above 0.5 of the
-first one is a center, below 0.15 the search ends, and between it is one if
-:math:`d / r_a + P / P_1 \ge 1` with the distance d to the nearest center.
+with columns divided by their ranges. The sample with the greatest potential becomes a center, and
+its influence is subtracted from all others, :math:`P_i \leftarrow P_i - P_1 e^{-4 \lVert x_i - x_1
+\rVert^2 / r_b^2}`. This is repeated. A sample becomes a center if its potential is above 0.5 of the
+first one, and the search ends below 0.15. In between it becomes a center if :math:`d / r_a + P /
+P_1 \ge 1`, where d is the distance to the nearest center.
 
 Source: S. L. Chiu, "Fuzzy model identification based on cluster estimation", Journal of Intelligent
 and Fuzzy Systems 2(3), 1994.
@@ -26,22 +26,22 @@ from fuzzy2.learning.samples import LEAST_RANGE, weights_of
 from fuzzy2.support.checks import Array, binary_exponent, positive, reals
 
 ACCEPTED, REJECTED = 0.5, 0.15
-"""Potentials, as shares of the first one, above and below which a sample is a center or none."""
+"""Potentials relative to the first one; above them a sample is a center, below it is not."""
 
 BLOCK = 2**21
-"""Distances that are held at a time."""
+"""Distances that are held in memory at a time."""
 
 
 @dataclass(frozen=True)
 class SubtractiveClusters:
-    r"""What :func:`subtractive_clustering` found.
+    r"""Result of :func:`subtractive_clustering`.
 
     Parameters
     ----------
     centers : (K, p) ndarray
-        Samples that are centers, from the greatest potential on.
+        Samples that are centers, in the order in which they were chosen.
     sigmas : (p,) ndarray
-        Standard deviation of a Gaussian along each column that has the potential's width,
+        Standard deviation along each column of a Gaussian with the width of the potential,
         :math:`r_a / \sqrt 8` of the column's range.
     potentials : (K,) ndarray
         Potentials of the centers when they were chosen.
@@ -59,19 +59,19 @@ def subtractive_clustering(
     *,
     sample_weight: ArrayLike | None = None,
 ) -> SubtractiveClusters:
-    r"""Return clusters of samples; their number follows from a width (Chiu 1994).
+    r"""Return clusters of samples; their number follows from a radius (Chiu 1994).
 
     Parameters
     ----------
     X : (N, p) array_like
         Samples.
     radius : float
-        :math:`r_a`, how far a center reaches, as a share of the range of each column; above 0.
+        Radius :math:`r_a` of a cluster, as a share of the range of each column; above 0.
     squash : float
-        :math:`r_b / r_a`, how much farther it keeps other centers away; above 0. MATLAB's
-        ``subclust`` has 1.25.
+        Ratio :math:`r_b / r_a` of the radius that keeps other centers away; above 0. MATLAB's
+        ``subclust`` uses 1.25.
     sample_weight : (N,) array_like, optional
-        How often each sample counts, not negative; 1 by default.
+        Weight of each sample, not negative; 1 by default.
 
     Returns
     -------
@@ -81,13 +81,13 @@ def subtractive_clustering(
     Raises
     ------
     InvalidValue
-        If the samples are no table of finite numbers, or a number is outside of what it can be.
+        If the samples are not a table of finite numbers, or if an argument is outside its range.
     """
     samples = reals("X", X)
     if samples.ndim != 2 or 0 in samples.shape or not np.isfinite(samples).all():
         raise InvalidValue("X", samples, "finite and of shape (N, p), a row for each sample")
     reach, wider = positive("radius", radius), positive("squash", squash)
-    # Lengths are divided by them, and squared.
+    # The lengths are divided by them and then squared.
     for name, length in (
         ("radius", reach),
         ("squash", wider),
@@ -115,7 +115,7 @@ def subtractive_clustering(
         found.append(height)
         squares = ((units - units[best]) ** 2).sum(axis=1) / (wider * reach) ** 2
         potentials = potentials - height * np.exp(-4.0 * squares)
-        # Exactly: rounding must not make a center of it again.
+        # Set to exactly 0, because rounding must not make it a center again.
         potentials[best] = 0.0
     ranges = np.ptp(0.5 * samples, axis=0)
     sigmas = reach / np.sqrt(8.0) * 2.0 * ranges

@@ -13,28 +13,28 @@ from fuzzy2.support.checks import Array, listed, reals, whole_number
 
 
 class Lagged(NamedTuple):
-    """What :func:`lagged` returns."""
+    """Result of :func:`lagged`."""
 
     X: Array
-    """Values so long before each time, (N, p), a column for each lag in the order given."""
+    """Past values, (N, p), with one column for each lag in the given order."""
     y: Array
-    """Values so long after each time, (N,) or (N, m) like the series."""
+    """Future values, (N,) or (N, m) like the series."""
 
 
 def lagged(series: ArrayLike, lags: Sequence[int], horizon: int = 1) -> Lagged:
     r"""Return samples for predicting a time series from its past values.
 
-    Row t of the inputs is :math:`(x_{t - l_1}, \dots, x_{t - l_p})` and of the outputs
-    :math:`x_{t + h}`, for all t for which the series has both.
+    Row t of the inputs is :math:`(x_{t - l_1}, \dots, x_{t - l_p})` and of the outputs :math:`x_{t
+    + h}`, for all t for which the series contains both.
 
     Parameters
     ----------
     series : (T,) or (T, m) array_like
-        Values at equal distances in time; of several columns each lag gives all.
+        Values at equal time steps. If there are several columns, each lag contributes all of them.
     lags : sequence of int
-        Different whole numbers of at least 0, which is the present value.
+        Different whole numbers of at least 0; 0 stands for the present value.
     horizon : int
-        How far ahead the outputs lie, at least 1.
+        Number of steps ahead that is predicted, at least 1.
 
     Returns
     -------
@@ -44,8 +44,7 @@ def lagged(series: ArrayLike, lags: Sequence[int], horizon: int = 1) -> Lagged:
     Raises
     ------
     InvalidValue
-        If the series is not of finite numbers or too short, or a number is outside of what it can
-        be.
+        If the series is not finite or is too short, or if an argument is outside its range.
 
     Examples
     --------

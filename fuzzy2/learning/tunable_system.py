@@ -1,14 +1,14 @@
 r"""A system as a vector of parameters, with the objective of fine-tuning and its gradient.
 
-The gradient is analytic and goes through the exact type reduction. Each end is an extreme over all
-switch points, so that its derivative is that of the weighted average at the switch point that was
-found (with W the sum of the weights there):
+The gradient is analytic and includes the exact type reduction. Each end is an extreme over all
+switch points, so its derivative is that of the weighted average at the optimal switch point (W is
+the sum of the weights there):
 
 .. math:: \frac{\partial y_l}{\partial w_r} = \frac{z_r - y_l}{W}, \qquad
           \frac{\partial y_l}{\partial z_r} = \frac{w_r}{W}
 
-Where two switch points give the same end the output has a kink, and the derivative is that of one
-of them.
+Where two switch points give the same end, the output has a kink, and the derivative for one of them
+is used.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ class TunableSystem:
 
     The vector holds, for every term, its mean(s) :math:`m / a` and the logarithm(s) of its standard
     deviation(s), then the consequents :math:`z / s`: numbers, or all left and then all right ends;
-    a and s are the scales of input and output. Of linear consequents it holds the coefficients
-    :math:`c_0 / s` and :math:`a_i c_i / s`; spreads of theirs stay as they are.
+    a and s are the scales of input and output. For linear consequents it holds the coefficients
+    :math:`c_0 / s` and :math:`a_i c_i / s`; their spreads are not tuned.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ class TunableSystem:
         values: list[float] = []
         spreads: list[int] = []
         self._starts: list[list[int]] = []
-        # Pairs of parameters that must stay in order.
+        # Pairs of parameters whose order must be kept.
         self._pairs: list[tuple[int, int]] = []
         for terms, scale in zip(system.inputs, self._input_scales, strict=True):
             starts = []
@@ -98,7 +98,7 @@ class TunableSystem:
         self._compiled: Any = None
 
     def admissible(self, parameters: Array) -> Array:
-        """Return parameters with pairs that have passed each other put on their middle."""
+        """Return parameters in which pairs that have crossed are set to their middle."""
         corrected = parameters.copy()
         if self._pairs:
             low, high = np.array(self._pairs).T
@@ -145,7 +145,7 @@ class TunableSystem:
         return np.asarray(tail.reshape(self._intervals.shape) * self._output_scales)
 
     def system(self, parameters: Array) -> FuzzySystem:
-        """Return the system that has these parameters; everything else is as given.
+        """Return the system with these parameters; everything else is as given.
 
         Parameters
         ----------
@@ -157,7 +157,7 @@ class TunableSystem:
         Type1System or IntervalType2System
             A new system.
         """
-        # Consequents of one name are no longer one and the same.
+        # Consequents with the same name may differ now.
         return self._given.replace(
             inputs=self._terms(parameters),
             consequents=self._consequents(parameters),
@@ -186,18 +186,18 @@ class TunableSystem:
         Raises
         ------
         InvalidValue
-            If no rule fires at a sample, or parameters are so large that terms or the error are no
-            numbers.
+            If no rule fires at a sample, or if parameters are so large that terms or the error
+            overflow.
         """
         gradient = np.zeros_like(parameters)
         return self._mean(parameters, X, y, True, gradient), gradient / y.size
 
     def error(self, parameters: Array, X: Array, y: Array) -> float:
-        """Return the objective alone, see :meth:`objective`."""
+        """Return the objective alone; see :meth:`objective`."""
         return self._mean(parameters, X, y, False, np.empty(0))
 
     def _mean(self, parameters: Array, X: Array, y: Array, slopes: bool, gradient: Array) -> float:
-        # Numba is loaded with the first objective.
+        # Numba is imported with the first objective, not before.
         from fuzzy2.learning.tuning_kernels import add_squares
 
         sigmas = np.exp(parameters[self._spreads])
@@ -220,7 +220,7 @@ class TunableSystem:
         return float(total / y.size)
 
     def _layout(self) -> Any:
-        """Return the system as the compiled objective reads it."""
+        """Return the system in the layout of the compiled objective."""
         if self._compiled is None:
             from fuzzy2.learning.tuning_kernels import (
                 CERTAIN,
@@ -275,18 +275,18 @@ def _check_tunable(system: FuzzySystem) -> None:
     ):
         raise NotApplicable(
             what,
-            "it takes rules that join terms by and, without weights, of which each speaks of every "
-            "output, and no default outputs",
+            "its rules must join terms with and, have no weights and a consequent for every "
+            "output; there must be no default outputs",
         )
     for name, terms in zip(system.input_names, system.inputs, strict=True):
         for term in terms:
             if not isinstance(term, Gaussian | GaussianUncertainMean | GaussianUncertainSigma):
-                raise NotApplicable(what, f"the term {term!r} of {name} is no Gaussian")
+                raise NotApplicable(what, f"the term {term!r} of {name} is not a Gaussian")
     if not isinstance(system.consequents, np.ndarray | Linear):
         raise NotApplicable(
             what,
-            "the consequents are neither numbers nor intervals nor linear; put the sets' centroids "
-            "in their place",
+            "the consequents must be numbers, intervals or linear functions; replace sets with "
+            "their centroids",
         )
     given = system.fuzzifier
     fuzzifiers = () if given is None else (given,) if isinstance(given, Fuzzifier) else given

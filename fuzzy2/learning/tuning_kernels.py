@@ -1,12 +1,13 @@
-r"""Compiled objective of fine-tuning with its gradient; :mod:`fuzzy2.learning.tunable_system`.
+r"""Compiled objective of fine-tuning with its gradient, for :mod:`fuzzy2.learning.tunable_system`.
 
-A sample at a time. Under the product a rule's firing strength rises with the logarithms of its
-grades, under the minimum with that of the smallest,
+The samples are processed one at a time. The logarithm of a rule's firing strength is the sum of the
+logarithms of its grades under the product, and the logarithm of the smallest grade under the
+minimum. So
 
 .. math:: \frac{\partial y}{\partial \log \mu_{ri}} = w_r \frac{\partial y}{\partial w_r},
 
-so that firing strengths matter relative to each other only, and what is too small for a float is
-made relative to the greatest.
+Only ratios of firing strengths matter, so strengths that would underflow are taken relative to the
+greatest.
 """
 
 from __future__ import annotations
@@ -26,37 +27,37 @@ NUMBERS, INTERVALS, LINEAR = 0, 1, 2
 
 
 class Layout(NamedTuple):
-    """What of a system is not tuned, and where among the parameters is what is."""
+    """The parts of a system that are not tuned, and the places of the parameters."""
 
     owners: NDArray[np.int64]
     """Input of each term, (T,)."""
     kinds: NDArray[np.int64]
-    """What of each term is uncertain, (T,)."""
+    """Which parameter of each term is uncertain, (T,)."""
     starts: NDArray[np.int64]
-    """Where the parameters of each term begin, (T,)."""
+    """Place where the parameters of each term begin, (T,)."""
     log_heights: Array
     """Logarithms of the terms' heights, (T,)."""
     rules: NDArray[np.int64]
-    """Number among all terms that a rule asks of each input, or -1, (R, p)."""
+    """Number of each input's term in each rule, among all terms, or -1, (R, p)."""
     input_scales: Array
-    """(p,)."""
+    """Units of the inputs, (p,)."""
     spreads: Array
     """Half-widths of linear consequents in units of the outputs, (R, m, p + 1)."""
     certain: int
-    """Whether both ends of every average are one, 0 or 1."""
+    """Whether both ends of every average are equal, 0 or 1."""
     minimum: int
     """Whether grades are combined by the minimum, 0 or 1."""
     consequents: int
-    """Whether they are numbers, intervals or linear."""
+    """Kind of the consequents: numbers, intervals or linear functions."""
     first: int
-    """Where the parameters of the consequents begin."""
+    """Place where the parameters of the consequents begin."""
 
 
 @compiled
 def _log_grades(layout, parameters, x, distances, logs):
-    """Write the distances (2 T,) in standard deviations and the logarithms of the grades.
+    """Write the distances (2 T,) in standard deviations, and the logarithms of the grades.
 
-    Those of the lower membership first.
+    Those of the lower membership come first.
     """
     for t in range(layout.owners.size):
         i, start, kind = layout.owners[t], layout.starts[t], layout.kinds[t]
@@ -78,7 +79,7 @@ def _log_grades(layout, parameters, x, distances, logs):
 
 @compiled
 def _fire(layout, logs, grades, firing):
-    """Write the firing strengths (2 R,), relative to each other where they underflow.
+    """Write the firing strengths (2 R,), relative to the greatest if they underflow.
 
     Return whether some rule fires.
     """
@@ -122,7 +123,7 @@ def _fire(layout, logs, grades, firing):
 
 @compiled
 def _consequents(layout, parameters, scaled, outputs, j, z):
-    """Write both ends (2 R,) of what the rules say of an output."""
+    """Write both ends (2 R,) of the rules' consequents for an output."""
     rules = layout.rules.shape[0]
     columns = scaled.size
     for r in range(rules):
@@ -144,8 +145,8 @@ def _consequents(layout, parameters, scaled, outputs, j, z):
 def _end_of(z, firing, end):
     """Return the left (0) or the right end (1) of the average of points with uncertain weights.
 
-    Newton's iteration for the zero of a convex function, which comes from one side: Karnik and
-    Mendel's.
+    It is the Karnik-Mendel iteration, which is Newton's iteration for the zero of a convex function
+    and converges from one side.
     """
     rules = z.size // 2
     sign = 1.0 if end == 0 else -1.0
@@ -154,7 +155,7 @@ def _end_of(z, firing, end):
         mass += firing[2 * r + 1]
         moment += firing[2 * r + 1] * z[2 * r + end]
     y = moment / mass
-    # As many steps as there are switch points, and some for rounding.
+    # There are as many steps as switch points, and some more for rounding.
     for _ in range(rules + 20):
         mass, moment = 0.0, 0.0
         for r in range(rules):
@@ -170,9 +171,9 @@ def _end_of(z, firing, end):
 
 @compiled
 def _add_end(z, firing, end, y, slope, by_z, by_log):
-    """Add the derivatives by the consequents and by the logarithms of the firing strengths.
+    """Add the derivatives with respect to consequents and to logarithms of firing strengths.
 
-    Both (2 R,); ``slope`` is that of the objective by this end y.
+    Both are (2 R,). ``slope`` is the derivative of the objective with respect to this end y.
     """
     rules = z.size // 2
     total = 0.0
@@ -180,7 +181,8 @@ def _add_end(z, firing, end, y, slope, by_z, by_log):
         away = z[2 * r + end] - y
         takes_upper = away < 0.0 if end == 0 else away > 0.0
         total += firing[2 * r + 1] if takes_upper else firing[2 * r]
-    # One rule alone with no lower firing: its point is the end, and all of its weight is the upper.
+    # If a single rule fires and its lower firing is 0, its point is the end, and its whole weight
+    # is the upper one.
     alone = not total > 0.0
     if alone:
         for r in range(rules):
@@ -196,9 +198,9 @@ def _add_end(z, firing, end, y, slope, by_z, by_log):
 
 @compiled
 def _add_premises(layout, parameters, x, distances, logs, by_log, along, gradient):
-    """Add the derivatives by means and logarithms of standard deviations.
+    """Add the derivatives with respect to means and logarithms of standard deviations.
 
-    From those by the logarithms of the firing strengths (2 R,).
+    They follow from those with respect to logarithms of firing strengths (2 R,).
     """
     rules, inputs = layout.rules.shape
     along[:] = 0.0
@@ -232,7 +234,7 @@ def _add_premises(layout, parameters, x, distances, logs, by_log, along, gradien
             first, last = scale * parameters[start], scale * parameters[start + 1]
             beyond = 0 if x[i] > 0.5 * first + 0.5 * last else 1
             gradient[start + beyond] += scale * low * far / sigma
-            # Between the means near is 0: the upper grade is 1 and stays so.
+            # Between the means the distance is 0, so the upper grade is constantly 1.
             gradient[start + (1 if x[i] > last else 0)] += scale * high * near / sigma
             gradient[start + 2] += low * far * far + high * near * near
             continue
@@ -246,7 +248,7 @@ def _add_premises(layout, parameters, x, distances, logs, by_log, along, gradien
 
 @compiled
 def _add_consequents(layout, scaled, outputs, j, by_z, gradient):
-    """Add the derivatives by the parameters of the consequents of an output."""
+    """Add the derivatives with respect to the parameters of an output's consequents."""
     rules = layout.rules.shape[0]
     columns = scaled.size
     for r in range(rules):
@@ -273,7 +275,7 @@ def add_squares(
     gradient: Array,
     total: float,
 ) -> tuple[float, int]:
-    """Add up squared errors over samples; return also -1, or the first at which no rule fires.
+    """Add up squared errors; return also -1, or the first sample at which no rule fires.
 
     Parameters
     ----------
@@ -288,9 +290,9 @@ def add_squares(
     slopes : bool
         Whether to add the derivatives of the sum to ``gradient``.
     gradient : (P,) ndarray
-        Is added to.
+        Receives the derivatives, which are added to it.
     total : float
-        Sum over the samples before.
+        Sum over the previous samples.
     """
     terms, (rules, inputs), outputs = layout.owners.size, layout.rules.shape, y.shape[1]
     distances, logs, grades = np.empty(2 * terms), np.empty(2 * terms), np.empty(2 * terms)

@@ -1,16 +1,16 @@
-r"""Learning a rule base from samples: table look-up (Wang and Mendel), and three learners like it.
+r"""Learning of rule bases from samples: table look-up (Wang and Mendel) and three variants.
 
-For type-1, interval and general type-2 systems.
+It learns type-1, interval type-2 and general type-2 systems.
 
-Every input's range is partitioned by Gaussian terms, and each cell of the grid of terms is a rule;
-or clusters of the samples are the rules, and their projections on the inputs the terms. What the
-rules say is read from the samples. Means of type-2 terms are uncertain to both sides by a share of
-the range, see :mod:`fuzzy2.learning.noise` for how much; rules are chosen by the memberships in the
-*principal* terms, with the mean in its middle, so that systems of all three kinds learned from the
-same samples have the same rules and differ in nothing but their uncertainty. Without uncertainty
-they are the same system.
+Every input's range is partitioned into Gaussian terms, and each cell of the grid of terms is a
+rule. Alternatively, clusters of the samples are the rules, and their projections on the inputs are
+the terms. The consequents are learned from the samples. Means of type-2 terms are uncertain on both
+sides by a share of the range; see :mod:`fuzzy2.learning.noise` for a suitable share. Rules are
+chosen by the memberships in the *principal* terms, which have their means in the middle. So systems
+of all three kinds that are learned from the same samples have the same rules and differ only in
+their uncertainty. Without uncertainty they are equal.
 
-:class:`WangMendel` follows scikit-learn's conventions and does not need it.
+:class:`WangMendel` follows scikit-learn's conventions but does not need scikit-learn.
 
 Source: L.-X. Wang and J. M. Mendel, "Generating fuzzy rules by learning from examples", IEEE
 Transactions on Systems, Man, and Cybernetics 22(6), 1992.
@@ -58,114 +58,117 @@ from fuzzy2.systems.general_type2 import REDUCTIONS, GeneralType2System
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 
 LEARNERS = ("strongest", "strict", "average", "ridge")
-"""Names of the ways to the rules' consequents, see :class:`WangMendel`."""
+"""Names of the learners of consequents, see :class:`WangMendel`."""
 
 PARTITIONS = ("grid", "clusters")
-"""Names of where terms and rules come from, see :class:`WangMendel`."""
+"""Names of the sources of terms and rules, see :class:`WangMendel`."""
 
 MOST_RULES = 2**20
-"""Rules of the largest grid that is filled."""
+"""Greatest number of rules of a grid."""
 
 MOST_RIDGE_RULES = 2**13
-"""Rules of the largest grid whose least-squares problem is solved: its matrix takes half a
-gigabyte.
-"""
+"""Greatest number of rules of a grid for the ridge learner; the matrix of its least-squares problem
+then takes half a gigabyte."""
 
 
 class WangMendel(Regressor):
-    r"""Learning of fuzzy rules from samples, with scikit-learn's conventions.
+    r"""Learner of fuzzy rules from samples, which follows scikit-learn's conventions.
 
     The rules are the cells of the grid of all inputs' terms, or clusters of the samples.
-    ``learner`` says what a rule's consequent is:
+    ``learner`` chooses how the consequent of a rule is learned:
 
-    - ``"strongest"``, this package's default: that of the sample that fires the rule most (the
-      first of several), so that no cell stays empty.
-    - ``"strict"``: the table look-up of Wang and Mendel as published. Every sample makes one rule,
-      of the terms in which its inputs (and output) have most membership; its degree is the t-norm
-      of these memberships; of rules for the same cell the one of the highest degree stays. Cells
-      without a rule are completed as ``completion`` says.
-    - ``"average"``: the average of all samples, weighted with how strongly they fire the rule.
+    - ``"strongest"``, the default: the output of the sample that fires the rule most (the first of
+      several), so no cell stays empty.
+    - ``"strict"``: the table look-up as Wang and Mendel published it. Every sample makes one rule
+      from the terms in which its inputs (and its output) have the greatest membership. The degree
+      of the rule is the t-norm of these memberships, and among rules for the same cell the one with
+      the highest degree is kept. Cells without a rule are completed according to ``completion``.
+    - ``"average"``: the average of the outputs of all samples, weighted with their firing of the
+      rule.
     - ``"ridge"``: the consequents c that minimize
       :math:`\frac{1}{N} \sum_n \lVert y_n - \sum_r \phi_{nr} c_r \rVert^2
       + \lambda \sum_r \lVert c_r - \bar c_r \rVert^2`,
-      with :math:`\phi` the firing strengths of the type-1 system over their sum and :math:`\bar c`
-      the averages: least squares where the samples say something, the average where they do not.
+      where :math:`\phi` are the firing strengths of the type-1 system divided by their sum and
+      :math:`\bar c` the averages. They follow from least squares where samples determine them, and
+      stay near the averages elsewhere.
 
-    Firing here is that of the principal (type-1) terms.
+    Firing here means that of the principal (type-1) terms.
 
     Parameters
     ----------
     n_terms : int or sequence of p ints
-        Number of Gaussian terms of every input; one number for all of them if terms come from
-        clusters, which is that of the rules, too.
+        Number of Gaussian terms of every input. If terms come from clusters, one number for all
+        inputs, which is also the number of rules.
     kind : {"it2", "t1", "gt2"}
         Kind of system: interval type-2, type-1, or general type-2.
     mean_variation : float
-        Uncertainty of the terms' means, to either side, as a share of each input's range; 0 is
-        type-1. See :func:`fuzzy2.learning.noise.mean_variation_from_snr`. Not used by
+        Uncertainty of the terms' means on either side, as a share of each input's range; 0 makes
+        type-1 terms. See :func:`fuzzy2.learning.noise.mean_variation_from_snr`. Ignored by
         ``kind="t1"``.
     learner : {"strongest", "strict", "average", "ridge"}
-        How consequents are found.
+        How consequents are learned.
     completion : {"nearest", "average", "none", "refuse"}
-        What is done about empty cells, of the strict learner those without a sample of their own
-        and of the others those that no sample fires by more than 0.001: the rule of the nearest
-        cell is taken (distances between cells are those of their centers, in shares of the inputs'
-        ranges; the highest degree or firing decides between equally near ones), all rules are
-        averaged with the inverse squares of their distances as weights, the cells are left without
-        a rule, or :class:`fuzzy2.errors.UnsupportedRule` is raised.
+        How empty cells are handled. For the strict learner a cell is empty if no sample makes a
+        rule for it, and for the others if no sample fires it by more than 0.001. ``"nearest"``
+        takes the rule of the nearest cell. Distances are those between the cells' centers, in
+        shares of the inputs' ranges, and the highest degree or firing decides between equally near
+        cells. ``"average"`` averages all rules with the inverse squares of their distances as
+        weights, ``"none"`` leaves the cells without a rule, and ``"refuse"`` raises
+        :class:`fuzzy2.errors.UnsupportedRule`.
     ridge : float or None
-        Weight :math:`\lambda` of the ridge learner, above 0. None: generalized cross-validation
-        chooses it, for every output by itself (:mod:`fuzzy2.learning.cross_validation`); next to
-        nothing where samples have no noise.
+        Weight :math:`\lambda` of the ridge learner, above 0. With None, generalized
+        cross-validation chooses it separately for every output
+        (:mod:`fuzzy2.learning.cross_validation`); it is nearly 0 if samples have no noise.
     output_terms : int or None
-        None: consequents are values. A number K: every output's range is partitioned by K Gaussian
-        terms of the same mean variation, a consequent is the term whose mean is nearest, and enters
-        the system as that term's centroid (an interval for "it2" and "gt2", whose output terms are
-        both interval type-2).
+        With None, consequents are values. With a number K, every output's range is partitioned into
+        K Gaussian terms with the same mean variation. The consequent is then the term with the
+        nearest mean, which enters the system as its centroid (an interval for "it2" and "gt2",
+        whose output terms are both interval type-2).
     t_norm : {"product", "min"}
-        How the memberships of a rule's antecedents are combined.
+        T-norm that combines the memberships of a rule's antecedents.
     reduction : {"alpha_planes", "gaussian"}
         Type reduction of ``kind="gt2"``, see
         :class:`fuzzy2.systems.general_type2.GeneralType2System`.
     levels : int
         Number of α-planes of ``kind="gt2"``.
     partition : {"grid", "clusters"}
-        Where terms and rules come from. On the grid the terms lie evenly over the range of the
-        samples, see :func:`gaussian_partition`, and every combination of them is a rule. With
-        clusters, fuzzy c-means comes first: each of ``n_terms`` clusters of the inputs is a rule,
-        and its projections are its terms (:func:`cluster_partition`). Many inputs then need no more
-        rules than few, and there are rules only where samples are. Inputs count in shares of their
-        ranges; not for the strict learner.
+        Source of terms and rules. ``"grid"`` spaces the terms evenly over the range of the samples,
+        see :func:`gaussian_partition`, and makes a rule of every combination of them.
+        ``"clusters"`` runs fuzzy c-means first: each of ``n_terms`` clusters of the inputs is a
+        rule, and its projections are the terms (:func:`cluster_partition`). Then many inputs need
+        no more rules than few, and there are only rules where there are samples. Inputs are scaled
+        by their ranges for the clustering. The strict learner does not support clusters.
     fuzzifier : float
-        Of the clusters, see :func:`fuzzy2.fuzzy_c_means`.
+        Fuzzifier of the clusters, see :func:`fuzzy2.fuzzy_c_means`.
     rng : numpy.random.Generator, optional
-        Of the clusters' starts; seeded with 0 at every call of :meth:`fit` by default.
+        Source of the clustering's starts; by default it is seeded with 0 at every call of
+        :meth:`fit`.
 
     Attributes
     ----------
     system_ : Type1System, IntervalType2System or GeneralType2System
-        The system that was learned.
+        The learned system.
     n_features_in_, n_outputs_ : int
         Numbers of inputs and outputs.
     feature_names_in_ : (p,) ndarray of str
-        Names of the columns, if the samples were a table with names; then they name the system's
-        inputs, too.
+        Names of the columns, if the samples were a table with names; they are also the names of the
+        system's inputs.
     best_firing_ : (R,) ndarray
         Greatest firing of each rule by a sample, before completion.
     rule_samples_ : (R, m) ndarray of int
-        Sample from which a rule has its consequent; -1 where it is no single sample's. For
-        "strongest" and "strict".
+        Number of the sample that determines a rule's consequent; -1 if it is not a single sample.
+        For "strongest" and "strict".
     output_terms_ : tuple of m tuples of sets
         Terms of the outputs, if ``output_terms`` is a number.
     output_rules_ : (R, m) ndarray of int
-        Number of the output term of every rule, -1 where completion averaged, if ``output_terms``
-        is a number.
+        Number of the output term of every rule, or -1 if completion averaged rules; only if
+        ``output_terms`` is a number.
     clusters_ : Clusters
-        What fuzzy c-means found, in shares of the inputs' ranges, if the rules are clusters.
+        Result of fuzzy c-means, in shares of the inputs' ranges, if the rules are clusters.
     """
 
-    # A few samples of ten inputs, as scikit-learn's check has, fill no grid: a score there says
-    # nothing, and the tag tells scikit-learn not to ask for a good one.
+    # A few samples with ten inputs, as in scikit-learn's check, do not fill a grid, so a score for
+    # them is meaningless. The tag tells scikit-learn not to require a good one.
     _poor_score = True
     _learned = ("rule_samples_", "output_terms_", "output_rules_", "clusters_")
 
@@ -191,7 +194,8 @@ class WangMendel(Regressor):
         fuzzifier: float = 2.0,
         rng: np.random.Generator | None = None,
     ) -> None:
-        # Stored as given and checked by fit, so that a grid search can set them in any order.
+        # Parameters are stored as given and checked by fit, so that a grid search can set them in
+        # any order.
         self.n_terms = n_terms
         self.kind = kind
         self.mean_variation = mean_variation
@@ -212,12 +216,12 @@ class WangMendel(Regressor):
         Parameters
         ----------
         X : (N, p) array_like
-            Inputs; N is at least 2.
+            Inputs, with N of at least 2.
         y : (N,) or (N, m) array_like
             Outputs.
         sample_weight : (N,) array_like, optional
-            How often each sample counts, 1 by default. Where one sample speaks for a rule
-            (``"strongest"`` and ``"strict"``) only 0 makes a difference.
+            Weight of each sample, 1 by default. Where a single sample determines a rule
+            (``"strongest"`` and ``"strict"``), only the weight 0 has an effect.
 
         Returns
         -------
@@ -227,20 +231,20 @@ class WangMendel(Regressor):
         Raises
         ------
         InvalidValue, NotNumbers
-            If samples or parameters are not what they must be; an input (or output, if it has
-            terms) that has the same value in all samples is named.
+            If samples or parameters are invalid. The message names an input (or an output with
+            terms) that has the same value in all samples.
         UnknownName
             If ``kind``, ``learner``, ``completion``, ``t_norm``, ``reduction`` or ``partition`` is
             unknown.
         UnsupportedRule
-            If no sample fires some rule by more than 0.001, and ``completion`` is ``"refuse"`` or
-            no rule is fired by so much.
+            If no sample fires some rule by more than 0.001 and ``completion`` is ``"refuse"``, or
+            if no rule at all is fired that much.
 
         Warns
         -----
         CompletedRules
-            If rules of the grid were completed, or left out, by another learner than the strict
-            one, of which that is expected.
+            If rules of the grid were completed or left out. The strict learner does not warn,
+            because that is expected of it.
         """
         self._check_parameters()
         samples = samples_of(type(self).__name__, X, y, sample_weight)
@@ -275,7 +279,7 @@ class WangMendel(Regressor):
         self.system_ = system
         self.best_firing_ = learned.best_firing
         if learned.samples is not None:
-            # Numbers among all samples that were given.
+            # Numbers refer to all given samples.
             known = np.append(samples.numbers, -1)
             self.rule_samples_ = known[learned.samples]
         if quantizer is not None and learned.terms is not None:
@@ -298,7 +302,7 @@ class WangMendel(Regressor):
             if self.completion == "refuse":
                 check_support(learned, samples.input_names, words)
             return learned
-        # Of clusters every rule has its samples, and no grid in which it could be near another.
+        # Every cluster has its samples, and there is no grid in which it could have neighbors.
         completion = self.completion if given is None else "refuse"
         learned = rules_from_all(
             grades,
@@ -316,7 +320,7 @@ class WangMendel(Regressor):
         silent = learned.best_firing < LEAST_FIRING
         count = total - int((~silent).sum())
         if given is not None:
-            pass  # every cluster has samples, though with many inputs all firing is small
+            pass  # every cluster has samples, even if all firing strengths are small
         elif completion == "refuse" or silent.all():
             check_support(learned, samples.input_names, words)
         elif count:
@@ -342,8 +346,8 @@ class WangMendel(Regressor):
             gaussian_partition(*ends, number, self.kind, self.mean_variation)
             for ends, number in zip(ranges, numbers, strict=True)
         ]
-        # Of all kinds the same numbers to the last digit, so that equal grades are settled in the
-        # same way.
+        # All kinds must get bitwise equal numbers, so that ties between equal grades are resolved
+        # in the same way.
         principal = [
             principal_terms(*ends, number) for ends, number in zip(ranges, numbers, strict=True)
         ]
@@ -387,7 +391,8 @@ class WangMendel(Regressor):
             raise InvalidValue("mean_variation", self.mean_variation, "at least 0")
         if self.output_terms is not None:
             whole_number("output_terms", self.output_terms, 2)
-        # Those, too, that another kind or partition would ask for: a slip is told at once.
+        # Parameters that only other kinds or partitions use are checked, too, so that a mistake is
+        # reported at once.
         known_name("reduction", self.reduction, REDUCTIONS)
         whole_number("levels", self.levels, 1)
         checked_fuzzifier(self.fuzzifier)
@@ -413,8 +418,8 @@ class WangMendel(Regressor):
 class _Partition(NamedTuple):
     """Terms of every input, rules and clusters.
 
-    Terms are the principal ones. Rules (R, p) are there where they are not all combinations, and
-    clusters where there are some.
+    The terms are the principal ones. ``rules`` (R, p) is None if they are all combinations, and
+    ``clusters`` is None if there are none.
     """
 
     terms: Sequence[tuple[Term, ...]]

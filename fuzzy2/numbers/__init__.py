@@ -1,4 +1,4 @@
-"""Fuzzy numbers: intervals, Gaussians, and numbers by α-cuts."""
+"""Fuzzy numbers: interval and Gaussian ones, and ones held as α-cuts."""
 
 from __future__ import annotations
 

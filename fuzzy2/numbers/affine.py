@@ -1,12 +1,12 @@
-"""Fuzzy numbers: arrays of them, with an algebra that is exact.
+"""Arrays of fuzzy numbers with an exact affine algebra.
 
 `IntervalNumber` and `GaussianNumber` are closed under affine combinations (Theorems 1.4 and 1.5),
-so that a matrix of fuzzy numbers times a crisp vector costs two crisp products. What is not affine
-is left to `FuzzyNumber`, which carries the α-cuts of any convex fuzzy number and does all four
-operations.
+so a matrix of fuzzy numbers times a crisp vector costs two crisp products. `FuzzyNumber` does the
+operations that are not affine: it holds the α-cuts of any convex fuzzy number and supports all four
+arithmetic operations.
 
-Operands count as non-interactive, as everywhere in fuzzy arithmetic: ``a - a`` has the center 0 but
-twice the spread.
+Operands are non-interactive, as usual in fuzzy arithmetic: ``a - a`` has the center 0 but twice the
+spread.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from fuzzy2.support.checks import (
 
 
 class AffineNumber(Number, ABC):
-    """Arrays of fuzzy numbers that two crisp arrays describe: where each is, and how wide."""
+    """Array of fuzzy numbers that are described by two crisp arrays, of centers and of widths."""
 
     @property
     @abstractmethod
@@ -48,15 +48,15 @@ class AffineNumber(Number, ABC):
 
     @abstractmethod
     def _with(self, location: Array, width: Array) -> Self:
-        """Return numbers of the same kind elsewhere."""
+        """Return numbers of the same kind with other centers and widths."""
 
     @abstractmethod
     def _combined_widths(self, widths: Array, coefficients: Array, subscripts: str) -> Array:
-        """Return the width of the sums of products that Einstein's subscripts describe."""
+        """Return the widths of the sums of products that Einstein's subscripts describe."""
 
     @abstractmethod
     def _require_same_kind(self, other: AffineNumber, operation: str) -> None:
-        """Raise if the sum with the other number is not of the same kind."""
+        """Raise if the sum with the other number is not closed within this kind."""
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -81,7 +81,7 @@ class AffineNumber(Number, ABC):
         return self._with(self._location.reshape(*shape), self._width.reshape(*shape))
 
     def __eq__(self, other: object) -> bool:
-        """Tell whether all numbers are the same, with no tolerance."""
+        """Return whether all numbers are exactly equal."""
         if type(other) is not type(self):
             return NotImplemented
         return (
@@ -157,7 +157,7 @@ class AffineNumber(Number, ABC):
         return NotImplemented
 
     def __matmul__(self, vector: ArrayLike) -> Self:
-        """Return the matrices of numbers times crisp vectors.
+        """Return the products of matrices of numbers and crisp vectors.
 
         (..., m, n) and (..., n) give (..., m), (n,) and (n,) give ().
         """
@@ -173,7 +173,7 @@ class AffineNumber(Number, ABC):
         return self._with(location, self._combined_widths(self._width, crisp, subscripts))
 
     def __rmatmul__(self, matrix: ArrayLike) -> Self:
-        """Return crisp matrices times vectors of numbers.
+        """Return the products of crisp matrices and vectors of numbers.
 
         (..., m, n) and (..., n) give (..., m), (n,) and (n,) give ().
         """
@@ -199,7 +199,7 @@ class AffineNumber(Number, ABC):
         )
 
     def defuzzify(self) -> Array:
-        """Return the crisp centers, which are the centroids of these symmetric numbers."""
+        """Return the crisp centers, which are the centroids because the numbers are symmetric."""
         return self._location.copy()
 
 
@@ -211,7 +211,7 @@ def _require_same_length(matrix: tuple[int, ...], vector: tuple[int, ...]) -> No
 def _checked_fields(
     location: ArrayLike, width: ArrayLike, names: tuple[str, str]
 ) -> tuple[Array, Array]:
-    """Return both fields as read-only arrays of one shape."""
+    """Return both fields as read-only arrays of the same shape."""
     centers, widths = map(np.array, fields_of_one_shape(names, location, width))
     centers.setflags(write=False)
     widths.setflags(write=False)
@@ -232,7 +232,7 @@ class IntervalNumber(AffineNumber):
     center : (...) array_like
         Centers :math:`c`, of any shape.
     spread : (...) array_like
-        Half widths :math:`s`, at least 0; broadcast with the centers.
+        Half-widths :math:`s`, at least 0, which are broadcast with the centers.
 
     Raises
     ------
@@ -250,7 +250,7 @@ class IntervalNumber(AffineNumber):
 
     @classmethod
     def from_ends(cls, ends: ArrayLike) -> IntervalNumber:
-        """Return the numbers with the given (..., 2) left and right ends."""
+        """Return the numbers with the given left and right ends (..., 2)."""
         pairs = reals("ends", ends)
         if pairs.shape[-1:] != (2,):
             raise InvalidValue("ends", pairs, "an array of shape (..., 2)")
@@ -280,7 +280,7 @@ class IntervalNumber(AffineNumber):
             )
 
     def interval(self, alpha: float = 1.0) -> Array:
-        """Return the (..., 2) ends of the α-cuts, which are the same for every level in (0, 1]."""
+        """Return the ends (..., 2) of the α-cuts, which are the same for every level in (0, 1]."""
         checked_level(alpha)
         return np.stack([self.center - self.spread, self.center + self.spread], axis=-1)
 
@@ -289,7 +289,7 @@ class IntervalNumber(AffineNumber):
         return self.membership(x)
 
     def membership(self, x: ArrayLike) -> Array:
-        """Return the memberships at x, whose shape broadcasts with that of the numbers.
+        """Return the memberships at x; the shape of x broadcasts with that of the numbers.
 
         NaN gives NaN.
         """
@@ -316,8 +316,8 @@ class GaussianNumber(AffineNumber):
     mean : (...) array_like
         Means :math:`m`, of any shape.
     sigma : (...) array_like
-        Standard deviations :math:`\sigma`, at least 0 (0 is a crisp number); broadcast with the
-        means.
+        Standard deviations :math:`\sigma`, at least 0 (0 is a crisp number), which are broadcast
+        with the means.
     t_norm : {"product", "min"}
         How the memberships of summands are combined.
 
@@ -354,8 +354,8 @@ class GaussianNumber(AffineNumber):
     def _combined_widths(self, widths: Array, coefficients: Array, subscripts: str) -> Array:
         if self.t_norm == "min":
             return np.asarray(np.einsum(subscripts, widths, np.abs(coefficients)))
-        # Squares of widths below 1e-154 vanish and above 1e154 overflow; a common scale keeps the
-        # root exact.
+        # Squares of widths below 1e-154 underflow and above 1e154 overflow; a common scale keeps
+        # the root exact.
         scale = np.max(widths, initial=0.0) if np.isfinite(widths).all() else 0.0
         if scale == 0.0:
             scale = 1.0
@@ -377,9 +377,9 @@ class GaussianNumber(AffineNumber):
             )
 
     def interval(self, alpha: float) -> Array:
-        r"""Return the (..., 2) ends :math:`m \mp \sigma\sqrt{-2\ln\alpha}` of the α-cuts.
+        r"""Return the ends (..., 2) of the α-cuts, :math:`m \mp \sigma\sqrt{-2\ln\alpha}`.
 
-        For :math:`0 < \alpha \le 1`.
+        The level must satisfy :math:`0 < \alpha \le 1`.
         """
         reach = self.sigma * np.sqrt(-2.0 * np.log(checked_level(alpha)))
         return np.stack([self.mean - reach, self.mean + reach], axis=-1)
@@ -389,13 +389,13 @@ class GaussianNumber(AffineNumber):
         return self.membership(x)
 
     def membership(self, x: ArrayLike) -> Array:
-        """Return the memberships at x, whose shape broadcasts with that of the numbers.
+        """Return the memberships at x; the shape of x broadcasts with that of the numbers.
 
         NaN gives NaN.
         """
         points, mean = broadcast("x and the numbers", reals("x", x), self.mean)
         distance = points - mean
         crisp = self.sigma == 0.0
-        with np.errstate(over="ignore", under="ignore"):  # far tails are 0
+        with np.errstate(over="ignore", under="ignore"):  # far tails underflow to 0
             gaussian = np.exp(-0.5 * (distance / np.where(crisp, 1.0, self.sigma)) ** 2)
         return np.where(crisp & ~np.isnan(distance), (distance == 0.0).astype(float), gaussian)

@@ -1,4 +1,4 @@
-"""What the kinds of fuzzy numbers share: crisp operands, and checks."""
+"""Common base of the kinds of fuzzy numbers: crisp operands and checks."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ NumberTNorm = Literal["product", "min"]
 
 
 class Number:
-    """Common base of the kinds of fuzzy numbers, by which they are told from crisp operands."""
+    """Common base of the kinds of fuzzy numbers, which distinguishes them from crisp operands."""
 
-    # NumPy leaves `array + number` and `array @ number` to the reflected methods of the number.
+    # NumPy then leaves `array + number` and `array @ number` to the reflected methods of the
+    # number.
     __array_ufunc__ = None
 
 
@@ -28,9 +29,9 @@ def crisp_operand(value: object) -> Array | None:
 
 
 def fields_of_one_shape(names: tuple[str, str], location: Any, width: Any) -> tuple[Array, Array]:
-    """Return both fields of fuzzy numbers, brought to one shape; the widths are not negative.
+    """Return both fields of fuzzy numbers with a common shape; widths must not be negative.
 
-    NaN passes: it is what a system returns where no rule fires.
+    NaN is accepted, because systems return it where no rule fires.
     """
     centers, widths = broadcast(
         " and ".join(names), reals(names[0], location), reals(names[1], width)
@@ -41,7 +42,7 @@ def fields_of_one_shape(names: tuple[str, str], location: Any, width: Any) -> tu
 
 
 def checked_level(alpha: float) -> float:
-    """Return a level of α-cuts that is above 0 and at most 1; refuse others."""
+    """Return a level of α-cuts, which must be above 0 and at most 1."""
     requirement = "a level above 0 and at most 1"
     level = real("alpha", alpha, requirement)
     if not 0.0 < level <= 1.0:

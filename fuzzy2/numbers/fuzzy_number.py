@@ -1,4 +1,4 @@
-"""Fuzzy numbers by their α-cuts, with the arithmetic of the extension principle."""
+"""Fuzzy numbers held as α-cuts, with the arithmetic of the extension principle."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from fuzzy2.support.checks import Array, broadcast, reals, share
 
 
 def _default_levels() -> Array:
-    # Dense near 0 and 1, where the cuts of smooth sets move fastest; 0 and 1 themselves are among
-    # them.
+    # The levels are dense near 0 and 1, where the cuts of smooth sets move fastest, and include 0
+    # and 1.
     return np.asarray(0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 129))))
 
 
@@ -30,14 +30,15 @@ Convertible: TypeAlias = "FuzzyNumber | IntervalNumber | GaussianNumber | Type1S
 class FuzzyNumber(Number):
     r"""Convex, normal fuzzy numbers of any shape, held as α-cuts.
 
-    All four arithmetic operations are defined, under the minimum t-norm.
+    All four arithmetic operations are defined under the minimum t-norm.
 
-    The cut of a result is the interval result of the cuts (eq. 1.43 with :math:`* = \wedge`),
+    The α-cut of a result follows from the α-cuts of the operands by interval arithmetic (eq. 1.43
+    with :math:`* = \wedge`),
 
     .. math:: (F \otimes G)_\alpha = \{v \otimes w : v \in F_\alpha, w \in G_\alpha\}
 
-    exactly so at the levels that are held; between two levels the ends are interpolated linearly. A
-    set without a bounded support is cut off where its membership is 1e-6.
+    This is exact at the stored levels; between two levels the ends are interpolated linearly. A set
+    with unbounded support is cut off where its membership is 1e-6.
 
     Parameters
     ----------
@@ -107,7 +108,7 @@ class FuzzyNumber(Number):
     ) -> FuzzyNumber:
         """Return a fuzzy number with the α-cuts of a set or of other numbers.
 
-        Of a convex type-1 set, of interval or Gaussian numbers, or of crisp numbers.
+        The value may be a convex type-1 set, interval or Gaussian numbers, or crisp numbers.
 
         Parameters
         ----------
@@ -120,7 +121,7 @@ class FuzzyNumber(Number):
         ------
         NotApplicable
             If the set is not convex or not normal, if its cuts are unbounded, or if a Gaussian
-            number is meant for the product t-norm, to which α-cuts do not apply.
+            number has the product t-norm, for which α-cuts do not give the arithmetic.
         """
         if isinstance(value, FuzzyNumber):
             return value if levels is None else value.at_levels(levels)
@@ -158,10 +159,10 @@ class FuzzyNumber(Number):
         if not convex_set.is_normal():
             raise NotApplicable(
                 "arithmetic by α-cuts",
-                f"{convex_set!r} does not reach the membership 1, as a fuzzy number does",
+                f"{convex_set!r} does not reach the membership 1, as a fuzzy number must",
             )
         lowest = 0.0 if np.isfinite(convex_set.support).all() else LOWEST_LEVEL_OF_UNBOUNDED_SETS
-        # The height may fall short of 1 by rounding.
+        # Rounding may leave the height slightly below 1.
         left, right = convex_set.alpha_cut(np.clip(heights, lowest, convex_set.height))
         if not (np.isfinite(left).all() and np.isfinite(right).all()):
             raise NotApplicable("arithmetic by α-cuts", f"the cuts of {convex_set!r} are unbounded")
@@ -183,7 +184,7 @@ class FuzzyNumber(Number):
         )
 
     def __eq__(self, other: object) -> bool:
-        """Tell whether all cuts are the same, with no tolerance."""
+        """Return whether all cuts are exactly equal."""
         if not isinstance(other, FuzzyNumber):
             return NotImplemented
         return all(
@@ -192,7 +193,7 @@ class FuzzyNumber(Number):
         )
 
     def at_levels(self, levels: ArrayLike) -> FuzzyNumber:
-        """Return the same numbers with their cuts at other levels, interpolated linearly."""
+        """Return the same numbers with their cuts interpolated linearly at other levels."""
         heights = reals("levels", levels)
         if heights.ndim != 1 or not ((heights >= 0.0) & (heights <= 1.0)).all():
             raise InvalidValue("levels", levels, "ascending from 0 to 1")
@@ -214,7 +215,7 @@ class FuzzyNumber(Number):
         )
 
     def interval(self, alpha: float) -> Array:
-        """Return the (..., 2) ends of the α-cuts, 0 <= alpha <= 1."""
+        """Return the ends (..., 2) of the α-cuts, for 0 <= alpha <= 1."""
         heights = np.array([share("alpha", alpha, "a level from 0 to 1")])
         return np.concatenate(
             [self._ends_at(self.left, heights), self._ends_at(self.right, heights)], axis=-1
@@ -225,7 +226,7 @@ class FuzzyNumber(Number):
         return self.membership(x)
 
     def membership(self, x: ArrayLike) -> Array:
-        """Return the memberships at x, whose shape broadcasts with that of the numbers.
+        """Return the memberships at x; the shape of x broadcasts with that of the numbers.
 
         NaN gives NaN.
         """
@@ -240,15 +241,15 @@ class FuzzyNumber(Number):
         return np.where(np.isnan(points), np.nan, grades)
 
     def defuzzify(self) -> Array:
-        r"""Return the (...) centroids.
+        r"""Return the centroids (...).
 
-        They are exact for cuts whose ends :math:`l, r` are linear between levels.
+        They are exact if the ends :math:`l, r` of the cuts are linear between levels.
 
         .. math:: \frac{\int_0^1 (r^2 - l^2)\,d\alpha}{2 \int_0^1 (r - l)\,d\alpha}
 
         The centroid of a number without width is its only point.
         """
-        # About the middle of the support, where the squares cancel least.
+        # Moments are taken about the middle of the support, where the squares cancel least.
         origin = 0.5 * (self.left[..., :1] + self.right[..., :1])
         left, right = self.left - origin, self.right - origin
         area = _integral_of_linear(right - left, self.levels)
@@ -259,7 +260,7 @@ class FuzzyNumber(Number):
         return np.asarray(origin[..., 0] + np.where(wide, moment / np.where(wide, area, 1.0), 0.0))
 
     def _paired(self, other: object) -> tuple[FuzzyNumber, FuzzyNumber] | None:
-        """Return both operands at the levels of either, or None if the other is not a number."""
+        """Return both operands at all levels of both, or None if one is not a number."""
         if (
             not isinstance(other, (FuzzyNumber, AffineNumber, Type1Set))
             and crisp_operand(other) is None
@@ -318,7 +319,7 @@ class FuzzyNumber(Number):
 
 
 def _nested(left: Array, right: Array) -> tuple[Array, Array]:
-    """Return cuts whose ends come from formulas that round, nested to the last digit."""
+    """Return the cuts made exactly nested, because rounding in their formulas may cross them."""
     middle = 0.5 * (left[..., -1:] + right[..., -1:])
     return (
         np.minimum(np.maximum.accumulate(left, axis=-1), middle),
@@ -347,11 +348,11 @@ def _quotient_of_cuts(a: FuzzyNumber, b: FuzzyNumber) -> tuple[Array, Array]:
 
 
 def _level_reached(left: Array, points: Array, levels: Array) -> Array:
-    """Return the highest level whose left end is at most the point.
+    """Return the highest level whose left end is not to the right of the point.
 
-    It is interpolated, and 0 left of all ends.
+    It is interpolated between levels, and 0 to the left of all ends.
     """
-    # Ends may repeat (a jump of the membership), so the last one that the point has passed counts.
+    # Ends repeat where the membership jumps, so the last end that the point has passed is used.
     passed = (left <= points[..., None]).sum(axis=-1)
     segment = np.clip(passed - 1, 0, levels.size - 2)
     start = np.take_along_axis(left, segment[..., None], axis=-1)[..., 0]

@@ -1,4 +1,4 @@
-"""The meet of Gaussian sets under the product in closed form, and how far off it is."""
+"""The closed form of the meet of Gaussian sets under the product, and its error."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ def gaussian_meet(means: ArrayLike, sigmas: ArrayLike) -> GaussianNumber:
         \bar\sigma^2 = \sum_j \sigma_j^2 \prod_{i \ne j} m_i^2
 
     It is an approximation: the exact meet, ``fuzzy2.meet(..., t_norm="product")``, is not Gaussian.
-    `gaussian_meet_error` says how far it is off: 0.033 for the means 0.5 and 0.7 with the standard
-    deviations 0.05, 0.234 for 0.1 and 0.2 with 0.1 and 0.15.
+    `gaussian_meet_error` returns the largest error: 0.033 for the means 0.5 and 0.7 with the
+    standard deviations 0.05, and 0.234 for the means 0.1 and 0.2 with 0.1 and 0.15.
 
     Parameters
     ----------
@@ -37,8 +37,8 @@ def gaussian_meet(means: ArrayLike, sigmas: ArrayLike) -> GaussianNumber:
     Returns
     -------
     GaussianNumber
-        Of shape (...), with ``.mean`` and ``.sigma``; called with memberships it returns their
-        grades.
+        The meet, of shape (...), with ``.mean`` and ``.sigma``. Calling it with memberships returns
+        their grades.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def gaussian_meet(means: ArrayLike, sigmas: ArrayLike) -> GaussianNumber:
         raise InvalidValue("means and sigmas", (means, sigmas), "finite, or NaN")
     one = np.ones_like(m[..., :1])
     with overflow_refused("the sizes of means and sigmas"):
-        # Products of all means but one, without dividing: a mean may be 0.
+        # Products of all means but one, without division because a mean may be 0.
         before = np.cumprod(np.concatenate([one, m[..., :-1]], axis=-1), axis=-1)
         after = np.cumprod(np.concatenate([one, m[..., :0:-1]], axis=-1), axis=-1)[..., ::-1]
         spread = np.sqrt(((sigma * before * after) ** 2).sum(axis=-1))
@@ -63,9 +63,9 @@ def gaussian_meet(means: ArrayLike, sigmas: ArrayLike) -> GaussianNumber:
 def gaussian_meet_error(means: ArrayLike, sigmas: ArrayLike, points: int = 1001) -> float:
     r"""Return the largest difference between `gaussian_meet` and the exact meet.
 
-    The exact one is that of eq. 1.31-1.36, on an even grid of [0, 1].
+    The exact meet follows eq. 1.31-1.36 and is evaluated on an even grid of [0, 1].
 
-    The exact meet is that of the memberships cut off outside [0, 1], with :math:`\theta = 0`
+    The memberships are cut off outside [0, 1] before they are met, and :math:`\theta = 0` is
     included (1.33).
 
     Parameters

@@ -1,4 +1,4 @@
-"""Meets of type-1 sets by a t-norm other than the minimum."""
+"""Meets of type-1 sets under a t-norm other than the minimum."""
 
 from __future__ import annotations
 
@@ -15,33 +15,35 @@ from fuzzy2.sets.type1 import SampledSet, Type1Set
 from fuzzy2.support.checks import Array
 from fuzzy2.support.quadrature import Moments, merged
 
-# Ends of intervals of memberships are widened by this relative amount, so that a closed edge is not
-# missed by rounding.
+# Intervals of memberships are widened by this relative amount, so that rounding does not exclude a
+# closed end.
 _EDGE = 4.0 * np.finfo(float).eps
 
-# Search for the best factorization of a membership: nodes of the first grid, then points and number
-# of the grids that close in on the best node. The last spacing is 2e-11 of the first interval.
+# Search for the best factorization of a membership: nodes of the first grid, then the points and
+# the number of the grids that close in on the best node. The last spacing is 2e-11 of the first
+# interval.
 _NODES, _CLOSER_NODES, _CLOSER_GRIDS = 64, 8, 14
 _NODES_IF_NOT_CONVEX = 1024
 _MOST_LANDMARKS = 32
 _DEEPEST = 700.0  # exp(-700) is about the smallest normal number
-# Largest error of the linear interpolation by which an intermediate result of a meet of three or
-# more sets is replaced.
+# Largest error of the linear interpolation that replaces an intermediate result when three or more
+# sets are met.
 TABLE_TOLERANCE = 1e-7
 
 
 @dataclass(frozen=True)
 class ContinuousMeet(Type1Set):
-    r"""Meet of secondary memberships by a t-norm other than the minimum.
+    r"""Meet of secondary memberships under a t-norm other than the minimum.
 
-    The t-norm is continuous (eq. 1.31-1.34 for the product).
+    The t-norm must be continuous (eq. 1.31-1.34 are for the product).
 
     .. math:: \mu(\theta) = \sup_{v \star w = \theta} f(v) * g(w)
 
-    For the minimum of grades and convex sets it follows from the cuts, whose ends are the t-norms
-    of those of the sets. Otherwise the supremum is searched over v between the best membership of
-    the first set and that which leaves the best of the second. Of three or more sets all but the
-    last are met first, and tabulated. Made by `meet`.
+    For convex sets whose grades are combined by the minimum, the meet follows from its α-cuts: the
+    ends of a cut are the t-norms of the ends of the sets' cuts. Otherwise the supremum is searched
+    over v, between the best membership of the first set and the one that gives the best membership
+    of the second. If there are three or more sets, all but the last are met first and tabulated.
+    `meet` makes such sets.
 
     Parameters
     ----------
@@ -65,7 +67,7 @@ class ContinuousMeet(Type1Set):
 
     @property
     def height(self) -> float:
-        """Supremum of the membership: the heights of all sets, combined."""
+        """Supremum of the membership: the heights of all sets, combined by the grades' t-norm."""
         return float(self.grade_t_norm(*(operand.height for operand in self.operands)))
 
     @cached_property
@@ -74,7 +76,7 @@ class ContinuousMeet(Type1Set):
 
     @cached_property
     def _pair(self) -> tuple[Type1Set, Type1Set]:
-        """The last set and the meet of all others, tabulated where it is itself a meet."""
+        """The last set, and the meet of all others (tabulated unless it is one set)."""
         *others, last = self.operands
         if len(others) == 1:
             return others[0], last
@@ -95,13 +97,13 @@ class ContinuousMeet(Type1Set):
         return grades.reshape(x.shape)
 
     def _grades_by_cuts(self, theta: Array) -> Array:
-        """Return the highest level whose cut holds theta, by bisection: cuts are nested."""
+        """Return the highest level whose cut contains theta, by bisection of nested cuts."""
 
         def holds(level: Array) -> Array:
             left, right = self._cut(level)
             return np.asarray((left * (1.0 - _EDGE) <= theta) & (theta <= right * (1.0 + _EDGE)))
 
-        # The level is h exp(-s): halving s keeps the digits of tiny levels.
+        # The level is h exp(-s), so halving s keeps the digits of tiny levels.
         inside, outside = np.full(theta.shape, _DEEPEST), np.zeros(theta.shape)
         found, top = holds(self.height * np.exp(-inside)), holds(np.full(theta.shape, self.height))
         for _ in range(HALVINGS):
@@ -121,7 +123,7 @@ class ContinuousMeet(Type1Set):
         if self.grade_t_norm is T_NORMS["min"] and self._convex:
             left, right = self._cut(np.asarray(self.height))
         else:
-            # Cut off at 0 and 1, every set reaches its height.
+            # The sets are cut off at 0 and 1, so each of them reaches its height.
             left, right = self._ends(
                 [operand.maxima or operand.support for operand in self.operands]
             )
@@ -148,7 +150,7 @@ class ContinuousMeet(Type1Set):
     def moments(self, origin: float, power: int = 1) -> Moments:
         """Return area and first moment of the membership about ``origin``.
 
-        They are those of the linear interpolation that is within 1e-7 of the membership.
+        They belong to a linear interpolation within 1e-7 of the membership.
         """
         return self._table.moments(origin, power)
 
@@ -162,22 +164,22 @@ class ContinuousMeet(Type1Set):
     def is_convex(self) -> bool:
         """Return whether the membership rises to its maximum and then falls.
 
-        It does if those of all operands do.
+        It does if the membership of every operand does.
         """
         return self._convex
 
 
 def tabulated(fuzzy_set: Type1Set) -> SampledSet:
-    """Return the set sampled so densely that interpolation is within 1e-7 of it.
+    """Return the set sampled densely enough for linear interpolation within 1e-7.
 
-    The interpolation is linear, and it was tried between all points.
+    The error of the interpolation is checked between all points.
     """
     first, last = fuzzy_set.support
     points = merged(np.linspace(first, last, 257), fuzzy_set.landmarks)
     points = points[(points >= first) & (points <= last)]
     grades = np.asarray(fuzzy_set(points))
     rough = np.arange(points.size - 1)
-    # Where the membership jumps, halving stops at points that a sampled set would merge.
+    # At a jump of the membership, halving stops once a sampled set would merge the points.
     while rough.size:
         left, right = points[rough], points[rough + 1]
         middle = 0.5 * (left + right)
@@ -190,7 +192,7 @@ def tabulated(fuzzy_set: Type1Set) -> SampledSet:
         grades = np.insert(grades, inserted, found[bad])
         new = inserted + np.arange(inserted.size)
         rough = np.sort(np.concatenate([new - 1, new]))
-    if fuzzy_set.is_convex():  # the last digits of a search are not
+    if fuzzy_set.is_convex():  # the last digits of a search are not exact
         grades = np.minimum(
             np.maximum.accumulate(grades), np.maximum.accumulate(grades[::-1])[::-1]
         )
@@ -198,7 +200,7 @@ def tabulated(fuzzy_set: Type1Set) -> SampledSet:
 
 
 def _residuum(norm: TNorm, theta: Array, v: Array) -> Array:
-    """Return the greatest w in [0, 1] with v * w <= theta."""
+    """Return the greatest w in [0, 1] with T(v, w) <= theta."""
     if norm is T_NORMS["product"]:
         return np.where(v > theta, theta / np.where(v > 0.0, v, 1.0), 1.0)
     low, high = (
@@ -214,7 +216,7 @@ def _residuum(norm: TNorm, theta: Array, v: Array) -> Array:
 
 
 def _least_factor(norm: TNorm, theta: Array, v: Array) -> Array:
-    """Return the least w in [0, 1] with v * w >= theta, for v >= theta."""
+    """Return the least w in [0, 1] with T(v, w) >= theta, for v >= theta."""
     if norm is T_NORMS["product"]:
         return np.where(theta > 0.0, np.minimum(theta / np.where(v > 0.0, v, 1.0), 1.0), 0.0)
     low, high = (
@@ -231,7 +233,7 @@ def _least_factor(norm: TNorm, theta: Array, v: Array) -> Array:
 def _best_factorizations(
     f: Type1Set, g: Type1Set, theta: Array, norm: TNorm, grade_norm: TNorm
 ) -> Array:
-    """Return the supremum of f(v) with g(w) over all v, w in [0, 1] that give theta (N,)."""
+    """Return the supremum of f(v) combined with g(w) over all v, w with T(v, w) = theta (N,)."""
     chunk = 4096
     if theta.size > chunk:
         pieces = [
@@ -242,8 +244,8 @@ def _best_factorizations(
     target = theta[:, None]
 
     def value(v: Array) -> Array:
-        # For most v there is one w; a t-norm that is flat, or theta = 0, leaves an interval of
-        # them.
+        # For most v there is one w. Where a t-norm is flat, or for theta = 0, there is an interval
+        # of them.
         least, greatest = _least_factor(norm, target, v), _residuum(norm, target, v)
         best = supremum(g, least * (1.0 - _EDGE), greatest * (1.0 + _EDGE))
         return grade_norm(f(v), best)
@@ -251,8 +253,8 @@ def _best_factorizations(
     left, right = theta, np.ones(theta.shape)
     nodes = _NODES_IF_NOT_CONVEX
     if f.is_convex() and g.is_convex():
-        # On either side of both best points the grades of both sets fall together, so the search
-        # stays between them.
+        # Beyond both best points the grades of both sets fall together, so the search stays between
+        # them.
         own = np.clip((f.maxima or f.support)[0], theta, 1.0)
         others = np.clip(
             _residuum(norm, theta, np.full(theta.shape, (g.maxima or g.support)[0])), theta, 1.0
@@ -288,7 +290,7 @@ def _best_factorizations(
 def _few(operand: Type1Set) -> Array:
     """Return the points where a set may jump or bend.
 
-    Of one with very many, the ends and the maxima.
+    If there are very many, only the ends and the maxima are returned.
     """
     points = operand.landmarks
     if points.size > _MOST_LANDMARKS:

@@ -1,11 +1,11 @@
 r"""Zadeh's extension principle.
 
-A function of numbers becomes a function of fuzzy sets (eq. 1.8, 1.43-1.45).
+It extends a function of numbers to a function of fuzzy sets (eq. 1.8, 1.43-1.45).
 
 .. math:: \mu_B(y) = \sup_{f(x_1, \ldots, x_n) = y} \mu_1(x_1) * \cdots * \mu_n(x_n)
 
-A `SampledSet` or a `Singleton` is a discrete set here, and among discrete sets the principle is
-carried out exactly, by enumeration.
+`SampledSet` and `Singleton` are discrete sets here. For discrete sets the image is exact, because
+all combinations are enumerated.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ from fuzzy2.operations.t_norms import t_norm as as_t_norm
 from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
 from fuzzy2.support.checks import Array, function
 
-# Combinations that are held at once: 32 MiB per array.
+# Combinations that are held in memory at once: 32 MiB per array.
 CHUNK = 1 << 22
 
-# The cut that stands for the support of a set that has no ends, for instance of a Gaussian: 5.26
+# This cut replaces the support of sets with unbounded support; for a Gaussian it ends at 5.26
 # standard deviations.
 LOWEST_LEVEL_OF_UNBOUNDED_SETS = 1e-6
 
@@ -36,7 +36,7 @@ _CELLS = 256
 
 
 def is_discrete(operand: Type1Set) -> bool:
-    """Return whether joins, meets and extensions read the set as a discrete one."""
+    """Return whether joins, meets and extensions treat the set as discrete."""
     return isinstance(operand, SampledSet | Singleton)
 
 
@@ -54,7 +54,7 @@ def discrete_points(operand: Type1Set) -> tuple[Array, Array]:
 
 
 def require_sets(sets: Sequence[object]) -> None:
-    """Raise InvalidValue unless there is at least one set and all are type-1 sets."""
+    """Raise InvalidValue unless there is at least one set and all sets are type-1 sets."""
     if not sets:
         raise InvalidValue("sets", sets, "at least one type-1 set")
     for operand in sets:
@@ -72,26 +72,26 @@ def extend(
     .. math:: f(F_1, \ldots, F_n) = \int_{\theta_1} \cdots \int_{\theta_n}
         \mu_{F_1}(\theta_1) * \cdots * \mu_{F_n}(\theta_n) \,/\, f(\theta_1, \ldots, \theta_n)
 
-    Discrete sets are enumerated; images within 1e-12 of each other are one point, of the greatest
-    grade. Otherwise f must be continuous where the sets live. Under the minimum, the cuts of convex
-    sets are mapped: the image of each box of cuts is searched on a grid that closes in on its ends
-    (exact where f is monotone in each argument). In all other cases the sets are sampled, and of
-    all images in each of 256 cells the one of the greatest grade is kept: its grade is a lower
-    bound of the true one.
+    Discrete sets are enumerated; images within 1e-12 of each other are merged into one point with
+    the greatest of their grades. For other sets f must be continuous on the supports. Under the
+    minimum, the α-cuts of convex sets are mapped: the ends of the image of each box of cuts are
+    searched on a grid that closes in on them, which is exact if f is monotone in each argument. In
+    all other cases the sets are sampled, and in each of 256 cells only the image with the greatest
+    grade is kept, so the grades are lower bounds.
 
     Parameters
     ----------
     f : callable
         Takes one array per set, all of one shape, and returns an array of that shape.
     *sets : Type1Set
-        The arguments. A set without a bounded support counts down to the membership 1e-6.
+        The arguments. A set with unbounded support is cut off where its membership is 1e-6.
     t_norm : str, TNorm or callable
         How the grades of the arguments are combined.
 
     Returns
     -------
     SampledSet
-        The image. Of discrete sets it is a discrete set; otherwise its linear interpolation is the
+        The image. For discrete sets it is a discrete set; otherwise its linear interpolation is the
         membership.
 
     Raises
@@ -115,9 +115,9 @@ def extend(
 
 
 def bounded_support(operand: Type1Set, what: str) -> tuple[float, float]:
-    """Return the support of a set, or its part above 1e-6 of the height.
+    """Return the support of a set, or its cut at 1e-6 of the height if the support is unbounded.
 
-    The latter if the support is unbounded.
+    The cut requires a convex set.
     """
     left, right = operand.support
     if math.isfinite(left) and math.isfinite(right):
@@ -136,7 +136,7 @@ def bounded_support(operand: Type1Set, what: str) -> tuple[float, float]:
 def enumerated(
     f: Callable[..., NDArray[np.generic]], operands: Sequence[tuple[Array, Array]], norm: TNorm
 ) -> SampledSet:
-    """Return the exact image of discrete sets, given as points and grades."""
+    """Return the exact image of discrete sets that are given as points and grades."""
     images, grades = [], []
     for points, levels in _combinations(operands):
         images.append(_image(f, points).ravel())
@@ -169,7 +169,7 @@ def _combinations(
 
 
 def _image(f: Callable[..., NDArray[np.generic]], arguments: Sequence[Array]) -> Array:
-    with np.errstate(all="ignore"):  # what comes out is checked
+    with np.errstate(all="ignore"):  # the values it returns are checked below
         image = np.asarray(f(*arguments), dtype=float)
     if image.shape != arguments[0].shape:
         raise InvalidValue(
@@ -190,10 +190,10 @@ def _mapped_cuts(
 ) -> SampledSet:
     """Return the image of convex sets under the minimum.
 
-    The cut of the image is the image of the cuts.
+    A cut of the image is the image of the cuts.
     """
     height = min(operand.height for operand in sets)
-    # Dense near 0 and near the height, where the cuts of smooth sets move fastest.
+    # Levels are dense near 0 and near the height, where the cuts of smooth sets move fastest.
     levels = height * 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, _LEVELS)))
     boxes = []
     for operand, (first, last) in zip(sets, bounds, strict=True):
@@ -201,8 +201,8 @@ def _mapped_cuts(
         boxes.append((np.clip(left, first, last), np.clip(right, first, last)))
     left = -_greatest(lambda *x: -_image(f, x), boxes)
     right = _greatest(lambda *x: _image(f, x), boxes)
-    # A search can miss an end by its tolerance; cuts are nested, so what a higher cut reaches every
-    # lower one does.
+    # A search can miss an end by its tolerance. Cuts are nested, so every lower cut includes what a
+    # higher cut reaches.
     left, right = np.minimum.accumulate(left[::-1])[::-1], np.maximum.accumulate(right[::-1])[::-1]
     return SampledSet(np.concatenate([left, right]), np.concatenate([levels, levels]))
 
@@ -210,9 +210,9 @@ def _mapped_cuts(
 def _greatest(f: Callable[..., Array], boxes: Sequence[tuple[Array, Array]]) -> Array:
     """Return the greatest values (L,) of f over L boxes at once.
 
-    By a grid that closes in on the best point.
+    A grid closes in on the best point of each box.
     """
-    # odd: the best point of a step stays on the grid of the next
+    # odd, so that the best point of a step stays on the grid of the next
     per_axis = max(5, round(4096 ** (1.0 / len(boxes)))) | 1
     centers = [0.5 * (left + right) for left, right in boxes]
     reach = [0.5 * (right - left) for left, right in boxes]
@@ -232,14 +232,15 @@ def _greatest(f: Callable[..., Array], boxes: Sequence[tuple[Array, Array]]) -> 
         rows = np.arange(best.size)
         best = np.maximum(best, values[rows, where])
         centers = [axis.reshape(best.size, -1)[rows, where] for axis in grid]
-        # Twice the spacing: the greatest value may lie between the best point and its neighbors.
+        # The grid spans twice the spacing, because the greatest value may lie between the best
+        # point and its neighbors.
         reach = [np.minimum(0.5 * size, 4.0 * size / (per_axis - 1)) for size in reach]
         per_axis = 5 if len(boxes) < 4 else 3
     return best
 
 
 def _outer(axes: Sequence[Array]) -> list[Array]:
-    """Return axes (L, P) shaped to broadcast to (L, P, ..., P)."""
+    """Return axes (L, P) reshaped so that they broadcast to (L, P, ..., P)."""
     n = len(axes)
     return [
         axis.reshape(axis.shape[0], *(axis.shape[1] if k == j else 1 for j in range(n)))
@@ -253,9 +254,9 @@ def _mapped_samples(
     bounds: Sequence[tuple[float, float]],
     norm: TNorm,
 ) -> SampledSet:
-    """Return the best of all sampled images in each of equal cells.
+    """Return the sampled image with the greatest grade in each of a number of equal cells.
 
-    Their grades are attained, so they are lower bounds.
+    The grades are attained by samples, so they are lower bounds.
     """
     per_axis = max(5, int(_GRID ** (1.0 / len(sets))))
     operands = []
@@ -280,6 +281,6 @@ def _mapped_samples(
     )
     order = np.lexsort((grades, cell))
     best = order[np.flatnonzero(np.diff(cell[order], append=_CELLS))]
-    # The ends of the image are kept as well, so that it is as wide as it should be.
+    # The ends of the image are kept as well, so that the image keeps its full width.
     best = np.union1d(best, [images.argmin(), images.argmax()])
     return SampledSet(images[best], grades[best])

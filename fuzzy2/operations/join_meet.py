@@ -1,4 +1,4 @@
-r"""Join, meet and negation: *or*, *and* and *not* of secondary memberships.
+r"""Join, meet and negation of secondary memberships, which stand for *or*, *and* and *not*.
 
 See eq. 1.9-1.15, 1.28 and 1.29.
 
@@ -6,19 +6,19 @@ See eq. 1.9-1.15, 1.28 and 1.29.
     F \sqcap G = \int_u \int_w \frac{f(u) * g(w)}{u \star w}, \qquad
     \neg F = \int_u \frac{f(u)}{1 - u}
 
-Two t-norms are at work. The memberships u and w are met by ``t_norm`` and joined by ``t_conorm``;
-the grades f(u) and g(w) are combined by ``grade_t_norm``, which is the same as ``t_norm`` unless
-another is given. The join takes the maximum of memberships under every t-norm, as the thesis does,
-unless another t-conorm is given.
+Two t-norms are involved. The memberships u and w are combined by ``t_norm`` in a meet and by
+``t_conorm`` in a join. The grades f(u) and g(w) are combined by ``grade_t_norm``, which is
+``t_norm`` by default. As in the thesis, the join takes the maximum of memberships under every
+t-norm unless another t-conorm is given.
 
-Sets that are all discrete (`SampledSet`, `Singleton`) give a discrete set, exactly. Sets of which
-at least one is a function give a function, evaluated where it is asked for; a sampled set among
-them counts by its linear interpolation.
+If all sets are discrete (`SampledSet`, `Singleton`), the result is an exact discrete set. If at
+least one set is a function, the result is a function, which is evaluated on demand; sampled sets
+among the operands are then interpolated linearly.
 
-Which laws hold: both operations are commutative, and associative up to rounding. De Morgan's laws
-hold for the maximum with the minimum and for any other dual pair; not for the maximum with the
-product. Absorption, idempotence and distributivity hold for convex normal sets under the minimum
-(for memberships and for grades) only.
+Both operations are commutative, and associative up to rounding errors. De Morgan's laws hold for
+the maximum with the minimum and for any other dual pair, but not for the maximum with the product.
+Absorption, idempotence and distributivity hold for convex normal sets under the minimum (for
+memberships and for grades) only.
 """
 
 from __future__ import annotations
@@ -74,28 +74,29 @@ def join(
     *sets : Type1Set
         Two or more secondary memberships.
     t_norm : str, TNorm or callable
-        The t-norm of the logic; here only what ``grade_t_norm`` is by default.
+        The t-norm of the logic; a join uses it only as the default of ``grade_t_norm``.
     grade_t_norm : str, TNorm or callable, optional
         How the grades are combined.
     t_conorm : str, TConorm or callable
         How the memberships are combined.
     method : {"auto", "theorem_1_1", "intervals", "shift", "general"}
-        Theorem 1.1 (1.14, and 1.28 for grades other than the minimum), the interval theorem (1.29),
-        the shift corollary, or what needs no conditions; "auto" takes the first that holds of
-        intervals, shift and theorem 1.1. All give the same set.
+        Theorem 1.1 (eq. 1.14, or 1.28 if grades are not combined by the minimum), the interval
+        theorem (1.29), the shift corollary, or the general method, which has no conditions. "auto"
+        takes the first that applies of "intervals", "shift", "theorem_1_1" and "general". All
+        methods give the same set.
 
     Returns
     -------
     Type1Set
         `SampledSet` or `Singleton` if all sets are discrete; `Interval` if all are intervals; else
-        a function. Its values are exact to rounding for the maximum, and otherwise as exact as
-        those of `meet`.
+        a function. Its values are exact up to rounding for the maximum, and otherwise as accurate
+        as those of `meet`.
 
     Raises
     ------
     NotApplicable
-        If a method is asked for whose conditions do not hold, or the t-conorm is not continuous and
-        a set is not discrete.
+        If the conditions of the requested method do not hold, or if the t-conorm is not continuous
+        and a set is not discrete.
     InvalidValue
         If a t-conorm other than the maximum is applied to memberships outside [0, 1].
     """
@@ -106,8 +107,8 @@ def join(
     if conorm is T_CONORMS["max"]:
         return _extremum("join", sets, grade_norm, method)
     what = f"the join by the t-conorm {conorm.name}"
-    # By duality, so that intervals and functions need no formulas of their own; negating them costs
-    # one rounding.
+    # The join is computed by duality, so intervals and functions need no formulas of their own.
+    # Negating them costs one rounding.
     if all(isinstance(operand, Interval | Singleton) for operand in sets) and method in (
         "auto",
         "intervals",
@@ -138,24 +139,26 @@ def meet(
     grade_t_norm : str, TNorm or callable, optional
         How the grades are combined; the same t-norm by default.
     method : {"auto", "theorem_1_1", "intervals", "shift", "general"}
-        Theorem 1.1 (1.15; minimum of memberships only), the interval theorem (1.29), the shift
-        corollary, or what needs no conditions; "auto" takes the first that holds of intervals,
-        shift and theorem 1.1. All give the same set.
+        Theorem 1.1 (eq. 1.15, only for the minimum of memberships), the interval theorem (1.29),
+        the shift corollary, or the general method, which has no conditions. "auto" takes the first
+        that applies of "intervals", "shift", "theorem_1_1" and "general". All methods give the same
+        set.
 
     Returns
     -------
     Type1Set
         `SampledSet` or `Singleton` if all sets are discrete; `Interval` if all are intervals; else
-        a function. Under the minimum of memberships its values are exact to rounding. Under another
-        t-norm it is 0 outside [0, 1], where the sets are cut off, and its values are exact to 1e-12
-        for the minimum of grades of convex sets, and to 1e-8 otherwise (1e-7 times the number of
-        sets when there are three or more), for sets whose features are wider than 1/1000.
+        a function. Under the minimum of memberships its values are exact up to rounding. Under
+        another t-norm it is 0 outside [0, 1], where the sets are cut off. Its values are then
+        accurate to 1e-12 for convex sets and the minimum of grades, and to 1e-8 otherwise (1e-7
+        times the number of sets if there are three or more), provided that the features of the sets
+        are wider than 1/1000.
 
     Raises
     ------
     NotApplicable
-        If a method is asked for whose conditions do not hold, or the t-norm is not continuous and a
-        set is not discrete.
+        If the conditions of the requested method do not hold, or if the t-norm is not continuous
+        and a set is not discrete.
     InvalidValue
         If a t-norm other than the minimum is applied to memberships outside [0, 1].
 
@@ -184,7 +187,7 @@ def meet(
 def negation(fuzzy_set: Type1Set) -> Type1Set:
     r"""Return the negation of a secondary membership (eq. 1.11).
 
-    It is of the same class wherever that is closed under it.
+    It has the same class as the set if the class is closed under negation.
 
     .. math:: \neg F = \int_u f(u) / (1 - u)
 
@@ -226,7 +229,7 @@ def negation(fuzzy_set: Type1Set) -> Type1Set:
 
 
 def _as_discrete(sets: Sequence[Type1Set], result: SampledSet) -> Type1Set:
-    """Return a single point as a `Singleton` where all operands are."""
+    """Return a discrete set as a `Singleton` if all operands are singletons."""
     return (
         Singleton(float(result.points[0]))
         if all(isinstance(operand, Singleton) for operand in sets)
@@ -235,9 +238,9 @@ def _as_discrete(sets: Sequence[Type1Set], result: SampledSet) -> Type1Set:
 
 
 def _enumerated(sets: Sequence[Type1Set], combine: TNorm | TConorm, grade_norm: TNorm) -> Type1Set:
-    """Return the join or meet of discrete sets under any norm, pair by pair.
+    """Return the join or meet of discrete sets under any norm, by enumerating pairs.
 
-    Merging after each keeps the numbers small.
+    Equal points are merged after each operand, which keeps the number of points small.
     """
     operands = [discrete_points(operand) for operand in sets]
     for points, _ in operands:
@@ -257,15 +260,15 @@ def _enumerated(sets: Sequence[Type1Set], combine: TNorm | TConorm, grade_norm: 
 def _discrete_extremum(kind: str, sets: Sequence[Type1Set], grade_norm: TNorm) -> Type1Set:
     r"""Return the join by the maximum, or the meet by the minimum, of discrete sets.
 
-    They have any shape; it takes O(N log N).
+    The sets may have any shape; the cost is O(N log N).
 
-    A pair gives :math:`\theta` as its maximum if one member is :math:`\theta` and the other is not
-    greater, so that (1.17)
+    The maximum of a pair is :math:`\theta` if one member is :math:`\theta` and the other is not
+    greater. So eq. 1.17,
 
     .. math:: \mu(\theta) = \max_i \Big( f_i(\theta) * \mathop{*}_{j \ne i}
               \sup_{w \le \theta} f_j(w) \Big)
 
-    needs no enumeration of pairs, under any t-norm of the grades.
+    needs no enumeration of pairs under any t-norm of the grades.
     """
     sign = 1.0 if kind == "join" else -1.0
     operands = []
@@ -329,7 +332,7 @@ def _interval_theorem(
             "the interval theorem (1.29)",
             f"{what} is not continuous and may leave gaps; sample the intervals",
         )
-    # The ends of a narrow interval may be exchanged by rounding.
+    # Rounding may swap the ends of a narrow interval.
     return Interval(min(left, right), max(left, right))
 
 
@@ -368,7 +371,7 @@ def _extremum(
 
 
 def _shape_of(operand: Type1Set) -> tuple[object, ...] | None:
-    """Return what stays of a parametric set when it is shifted,or None without such parameters."""
+    """Return the parameters of a set that a shift does not change, or None if it has none."""
     match operand:
         case Gaussian(sigma=sigma, height=height):
             return Gaussian, sigma, height

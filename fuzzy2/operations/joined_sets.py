@@ -1,4 +1,4 @@
-"""Joins of type-1 sets and meets by the minimum, as sets: evaluated where they are asked for."""
+"""Joins of type-1 sets and meets by the minimum, as sets that are evaluated on demand."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from fuzzy2.support.quadrature import merged
 
 ROUNDING = 1e-12
 HALVINGS = 60
-"""Steps of a bisection from an interval of length 1 to its last digits."""
+"""Steps of a bisection from an interval of length 1 to full precision."""
 
 
 def best_of_pairs(own: Sequence[Array], reached: Sequence[Array], grade_norm: TNorm) -> Array:
-    """Return the greatest, over i, of the own grade of set i with the suprema of all others."""
+    """Return the maximum, over i, of the grade of set i combined with the suprema of all others."""
     n = len(own)
     if n == 1:
         return own[0]
-    # Suprema of the sets before i and after i: n combinations instead of n²; the order of factors
-    # is kept for commutative results.
+    # Combine the suprema of the sets before i and after i, which takes n combinations instead of
+    # n². The order of the factors is kept, so that the results commute.
     before = [reached[0]]
     after = [reached[-1]]
     for k in range(1, n - 1):
@@ -40,7 +40,7 @@ def best_of_pairs(own: Sequence[Array], reached: Sequence[Array], grade_norm: TN
 
 
 def brief(operand: Type1Set) -> str:
-    """Return the representation of a set, cut to a line."""
+    """Return the representation of a set, shortened to one line."""
     shown = repr(operand)
     return shown if len(shown) <= 120 else f"{shown[:117]}..."
 
@@ -48,17 +48,17 @@ def brief(operand: Type1Set) -> str:
 def extremum_of_grades(
     kind: str, theta: Array, peaks: Array, grades: Array, grade_norm: TNorm
 ) -> Array:
-    """Return (1.14) and (1.28) for a join, (1.15) for a meet, at theta (...,).
+    """Return eq. 1.14 and 1.28 for a join, or eq. 1.15 for a meet, at theta (...,).
 
-    From the grades (n, ...) of sets with given peaks (n,).
+    ``grades`` (n, ...) are those of the sets at theta, and ``peaks`` (n,) their points of grade 1.
     """
     order = np.argsort(peaks, kind="stable")
-    if kind == "meet":  # mirrored, the meet is the join
+    if kind == "meet":  # the meet is the join of the mirrored sets
         order, theta, peaks = order[::-1], -theta, -peaks
     result = np.full(theta.shape, np.nan)
     sorted_peaks = peaks[order]
     tail = grades[order[-1]]
-    # From the last set to the first: between v_k and v_(k+1) the sets after k count.
+    # From the last set to the first: between v_k and v_(k+1) only the sets after k contribute.
     for k in range(len(order) - 1, 0, -1):
         result = np.where((sorted_peaks[k - 1] <= theta) & (theta < sorted_peaks[k]), tail, result)
         tail = grade_norm(grades[order[k - 1]], tail)
@@ -79,11 +79,11 @@ def peaks_of(kind: str, sets: Sequence[Type1Set]) -> Array:
 def supremum(operand: Type1Set, left: Array, right: Array) -> Array:
     """Return the supremum (...,) of the membership over closed intervals.
 
-    Ends may be infinite; it is 0 for an empty interval.
+    Ends may be infinite. The supremum over an empty interval is 0.
     """
     if operand.is_convex():
         maxima = operand.maxima
-        if maxima is None:  # a sigmoid: the better end is the one toward its far end
+        if maxima is None:  # a sigmoid: the end toward its supremum is the better one
             far_left, far_right = (
                 np.where(np.isneginf(left), -1e300, left),
                 np.where(np.isposinf(right), 1e300, right),
@@ -91,8 +91,8 @@ def supremum(operand: Type1Set, left: Array, right: Array) -> Array:
             best = np.maximum(operand(far_left), operand(far_right))
         else:
             first, last = maxima
-            # The nearest point of the interval to the maxima; on the maxima itself the height,
-            # whatever rounding does there.
+            # Take the point of the interval that is nearest to the maxima. On the maxima themselves
+            # return the height, which rounding could miss.
             nearest = np.where(right < first, right, np.where(left > last, left, first))
             best = np.where((left <= last) & (right >= first), operand.height, operand(nearest))
         return np.where(left <= right, best, np.where(np.isnan(left + right), np.nan, 0.0))
@@ -111,9 +111,9 @@ def supremum(operand: Type1Set, left: Array, right: Array) -> Array:
 
 
 def _range_maxima(grades: Array, first: NDArray[np.intp], last: NDArray[np.intp]) -> Array:
-    """Return the greatest of grades[first:last] for arrays of ends, 0 where that is empty.
+    """Return the maxima of grades[first:last] for arrays of ends; 0 where a range is empty.
 
-    By a table of maxima over powers of two.
+    It uses a table of maxima over ranges whose lengths are powers of two.
     """
     table = [grades]
     while 2 ** len(table) <= grades.size:
@@ -134,15 +134,15 @@ def _range_maxima(grades: Array, first: NDArray[np.intp], last: NDArray[np.intp]
 class ExtremumSet(Type1Set):
     r"""Join by the maximum, or meet by the minimum, of secondary memberships.
 
-    At least one of them is a function.
+    At least one operand is a function.
 
-    Its membership is exact under any t-norm of the grades: (1.14), (1.15) and (1.28) for normal
-    convex sets, and otherwise
+    The membership is exact under any t-norm of the grades. It follows eq. 1.14, 1.15 and 1.28 for
+    normal convex sets, and otherwise
 
     .. math:: \mu(\theta) = \max_i \Big( f_i(\theta) * \mathop{*}_{j \ne i}
               \sup_{w \le \theta} f_j(w) \Big)
 
-    for a join (1.17), with :math:`w \ge \theta` for a meet. Made by `join` and `meet`.
+    for a join (1.17), with :math:`w \ge \theta` for a meet. `join` and `meet` make such sets.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ class ExtremumSet(Type1Set):
     grade_t_norm : TNorm
         How the grades are combined.
     by_theorem : bool
-        Whether Theorem 1.1 is used, whose conditions have been checked.
+        Whether Theorem 1.1 is used. Its conditions have been checked before.
     """
 
     kind: Literal["join", "meet"]
@@ -168,7 +168,7 @@ class ExtremumSet(Type1Set):
 
     @property
     def height(self) -> float:
-        """Supremum of the membership: the heights of all sets, combined."""
+        """Supremum of the membership: the heights of all sets, combined by the grades' t-norm."""
         return float(self.grade_t_norm(*(operand.height for operand in self.operands)))
 
     @property
@@ -203,7 +203,7 @@ class ExtremumSet(Type1Set):
         ends = []
         for operand in self.operands:
             maxima = operand.maxima
-            if maxima is None:  # a sigmoid is highest at one end of the line
+            if maxima is None:  # a sigmoid is highest at infinity
                 end = math.inf if operand(1e300) > operand(-1e300) else -math.inf
                 maxima = end, end
             elif (
@@ -211,8 +211,8 @@ class ExtremumSet(Type1Set):
                 and operand.height > self.height
                 and operand.is_convex()
             ):
-                # The minimum of the heights is reached wherever this set is as high as the lowest
-                # one.
+                # The minimum of the heights is attained wherever this set is at least as high as
+                # the lowest set.
                 cut = operand.alpha_cut(self.height)
                 maxima = float(cut[0]), float(cut[1])
             ends.append(maxima)
@@ -228,7 +228,7 @@ class ExtremumSet(Type1Set):
     def _cut(self, alpha: Array) -> tuple[Array, Array]:
         if self.grade_t_norm is not T_NORMS["min"]:
             return cut_by_bisection(self, alpha)
-        # Grades at the very height of a sigmoid, which never reaches it, are cut at infinity.
+        # A sigmoid never reaches its height, so its cut at that grade is at infinity.
         cuts = [operand._cut(np.minimum(alpha, operand.height)) for operand in self.operands]
         left, right = (
             self._outer.reduce(np.array(ends), axis=0)  # type: ignore[attr-defined]
@@ -244,14 +244,14 @@ class ExtremumSet(Type1Set):
     def is_convex(self) -> bool:
         """Return whether the membership rises to its maximum and then falls.
 
-        It does if those of all operands do.
+        It does if the membership of every operand does.
         """
         return all(operand.is_convex() for operand in self.operands)
 
 
 @dataclass(frozen=True)
 class NegatedSet(Type1Set):
-    """Negation of a secondary membership: the set mirrored at 1/2. Made by `negation`.
+    """Negation of a secondary membership: the set mirrored at 1/2. `negation` makes it.
 
     Parameters
     ----------
@@ -288,14 +288,14 @@ class NegatedSet(Type1Set):
         return 1.0 - self.original.quadrature_points(power)[::-1]
 
     def is_convex(self) -> bool:
-        """Return whether the original is convex."""
+        """Return whether the original set is convex."""
         return self.original.is_convex()
 
 
 def cut_by_bisection(convex_set: Type1Set, alpha: Array) -> tuple[Array, Array]:
-    """Return the ends of the cuts of a convex set from its membership alone.
+    """Return the ends of the α-cuts of a convex set, from its membership alone.
 
-    These are outermost points, from the support to the maxima.
+    The outermost points are found by bisection between the support and the maxima.
     """
     maxima, points = convex_set.maxima, convex_set.landmarks
     first, last = (float(points[0]), float(points[-1])) if maxima is None else maxima

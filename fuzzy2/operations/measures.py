@@ -1,13 +1,13 @@
 r"""Cardinality, fuzziness, similarity and order of type-1 and interval type-2 sets.
 
-All on the continuous domain.
+All measures are taken on the continuous domain.
 
-Every measure of a type-1 set carries over to the footprint of uncertainty: it is the interval of
-what the embedded type-1 sets give, and the ends come from two of them, known in closed form. A
-type-1 set is a footprint without width, and its intervals are points.
+Every measure of a type-1 set extends to the footprint of uncertainty: it becomes the interval of
+the values of all embedded type-1 sets. Its ends belong to two embedded sets that are known in
+closed form. A type-1 set is a footprint without width, so its intervals are points.
 
-The integrals are taken by quadrature, as those of the centroid, and not normalized with the length
-of the domain, which for Gaussians has none: cardinality and fuzziness are lengths, in the unit of
+The integrals are computed by quadrature, as for the centroid. They are not normalized by the length
+of the domain, which is infinite for Gaussians: cardinality and fuzziness are lengths in the unit of
 the points. (D. Wu and J. M. Mendel, "Uncertainty measures for interval type-2 fuzzy sets",
 Information Sciences 177, 2007; "A comparative study of ranking methods, similarity measures and
 uncertainty measures for interval type-2 fuzzy sets", Information Sciences 179, 2009.)
@@ -28,11 +28,11 @@ from fuzzy2.support.checks import Array, listed
 from fuzzy2.support.quadrature import Moments, merged
 
 Footprint: TypeAlias = Type1Set | IntervalType2Set
-"""A set with a lower and an upper membership function; of a type-1 set both are the set itself."""
+"""A set with a lower and an upper membership function; for a type-1 set both are the set itself."""
 
 
 def cardinality(fuzzy_set: Footprint) -> tuple[float, float]:
-    r"""Return the cardinality, the interval of the areas of all embedded sets (Wu and Mendel 2007).
+    r"""Return the cardinality: the interval of the areas of all embedded sets (Wu and Mendel 2007).
 
     .. math:: p(\tilde A) = \left[\int \underline\mu(x)\,dx,\ \int \overline\mu(x)\,dx\right]
 
@@ -50,7 +50,7 @@ def cardinality(fuzzy_set: Footprint) -> tuple[float, float]:
     Raises
     ------
     InvalidValue
-        If the argument is no type-1 or interval type-2 set.
+        If the argument is not a type-1 or interval type-2 set.
     NotApplicable
         If the area of the upper membership is infinite.
     """
@@ -61,15 +61,16 @@ def cardinality(fuzzy_set: Footprint) -> tuple[float, float]:
 def fuzziness(fuzzy_set: Footprint) -> tuple[float, float]:
     r"""Return the fuzziness (entropy).
 
-    It is the interval of the linear indices of fuzziness of all embedded sets.
+    It is the interval of the linear indices of fuzziness of all embedded type-1 sets.
 
-    The linear index is twice the distance from the nearest crisp set. It is 0 where the grade is 0
-    or 1, 1 where it is 1/2, and the simplest that satisfies the axioms of De Luca and Termini:
+    The linear index of fuzziness is twice the distance to the nearest crisp set. A grade of 0 or 1
+    contributes 0, and a grade of 1/2 contributes 1. It is the simplest index that satisfies the
+    axioms of De Luca and Termini:
 
     .. math:: f(A) = 2 \int \min(\mu(x),\ 1 - \mu(x))\,dx
 
     The least fuzzy embedded set takes, at every point, the grade of the footprint that is farthest
-    from 1/2, and the fuzziest one that which is closest to it (Wu and Mendel 2007), so that
+    from 1/2, and the fuzziest embedded set the grade that is closest to 1/2 (Wu and Mendel 2007):
 
     .. math::
 
@@ -95,15 +96,15 @@ def fuzziness(fuzzy_set: Footprint) -> tuple[float, float]:
     Raises
     ------
     InvalidValue
-        If the argument is no type-1 or interval type-2 set.
+        If the argument is not a type-1 or interval type-2 set.
     NotApplicable
         If the area of the upper membership is infinite.
     """
     points = _domain("fuzziness", fuzzy_set)
     lower, upper = fuzzy_set.lower, fuzzy_set.upper
 
-    # Near the top 1 - u is the rounding of u, which quadrature relative to the integral cannot
-    # resolve; so u is integrated along.
+    # Near the top 1 - u is the rounding error of u, which quadrature relative to the integral
+    # cannot resolve. So u is integrated along with it.
     def with_least(x: Array) -> Array:
         low, high = lower(x), upper(x)
         return high + np.minimum(low, 1.0 - high)
@@ -122,7 +123,7 @@ def fuzziness(fuzzy_set: Footprint) -> tuple[float, float]:
 def jaccard(first: Footprint, second: Footprint) -> float:
     r"""Return the Jaccard similarity of two sets (Wu and Mendel 2009).
 
-    It is the share of their union in which they intersect.
+    It is the area of their intersection divided by the area of their union.
 
     .. math::
 
@@ -139,13 +140,13 @@ def jaccard(first: Footprint, second: Footprint) -> float:
     Returns
     -------
     float
-        1 for equal memberships and for no others, 0 where the sets do not meet; the same if the
-        sets are exchanged.
+        The similarity, in [0, 1]: 1 only for equal memberships, 0 if the sets do not overlap. It
+        does not depend on the order of the sets.
 
     Raises
     ------
     InvalidValue
-        If an argument is no type-1 or interval type-2 set.
+        If an argument is not a type-1 or interval type-2 set.
     NotApplicable
         If the area of an upper membership is infinite, or both areas are zero.
     """
@@ -166,7 +167,7 @@ def jaccard(first: Footprint, second: Footprint) -> float:
         raise NotApplicable(
             "jaccard", f"the memberships of {first!r} and {second!r} are zero almost everywhere"
         )
-    # Both integrals have their own rounding, which must not make nearly equal sets more similar
+    # Each integral has its own rounding error, which must not make nearly equal sets more similar
     # than equal ones.
     return min(_area(intersection, points) / whole, 1.0)
 
@@ -184,14 +185,13 @@ def rank(sets: Iterable[Footprint]) -> NDArray[np.intp]:
     Returns
     -------
     (N,) array of int
-        Indices of the sets, from the smallest middle to the greatest:
-        ``[sets[i] for i in rank(sets)]`` are in order. Sets with the same middle stay in the order
-        in which they are given.
+        Indices of the sets, from the smallest middle to the greatest, so ``[sets[i] for i in
+        rank(sets)]`` is sorted. Sets with the same middle keep their order.
 
     Raises
     ------
     InvalidValue
-        If there is no set, or one is no type-1 or interval type-2 set.
+        If there are no sets, or if one is not a type-1 or interval type-2 set.
     NotApplicable
         If a set has no finite centroid.
     """
@@ -222,7 +222,7 @@ def _check(*sets: Footprint) -> None:
 def _domain(measure: str, *sets: Footprint) -> Array:
     """Return ascending points from end to end of all upper memberships.
 
-    With every kink that is known of the lower ones, too.
+    They include every known kink of the lower memberships.
     """
     _check(*sets)
     try:
@@ -236,7 +236,7 @@ def _domain(measure: str, *sets: Footprint) -> Array:
 
 
 def _area(integrand: Callable[[Array], Array], points: Array) -> float:
-    """Return the integral over the domain from the first to the last point, 0 over a single one."""
+    """Return the integral from the first to the last point, 0 for a single point."""
     return (
         Moments(integrand, points, 0.5 * float(points[0]) + 0.5 * float(points[-1])).total[0]
         if points.size > 1

@@ -1,7 +1,7 @@
 r"""Fuzzy relations on discrete universes: Cartesian products and compositions (eq. 1.61, 1.62).
 
-A relation on U x V is an array over both universes, and a set on U an array over one. Their entries
-say of which kind they are:
+A relation on U x V is an array over both universes, and a set on U is an array over one. The
+entries determine the kind of a set or relation:
 
 =================  ===================  =======================================================
 kind               relation             entries
@@ -41,7 +41,7 @@ _CHUNK = 1 << 22
 def _objects(value: RelationLike) -> Relation:
     """Return sets in an array of objects.
 
-    One with a length must not be taken for a row of numbers.
+    A set that has a length must not be taken for a row of numbers.
     """
     if isinstance(value, np.ndarray):
         return value
@@ -78,7 +78,7 @@ def _holds_sets(value: Any) -> bool:
 
 
 def _checked(name: str, value: RelationLike, universes: int) -> tuple[Kind, Relation]:
-    """Return the kind of a set (one universe) or relation, and its array."""
+    """Return the kind of a set (one universe) or a relation, and its array."""
     shape = {1: "(U,)", 2: "(U, V)"}[universes]
     requirement = (
         f"grades in [0, 1] of shape {shape}, intervals of shape {shape[:-1].rstrip(',')}, 2), or "
@@ -119,7 +119,7 @@ def _dimensions(value: RelationLike) -> int:
 
 
 def _promoted(kind: Kind, value: Relation, to: Kind) -> Relation:
-    """Return a set or relation as one of a more general kind."""
+    """Return a set or relation converted to a more general kind."""
     if kind == "type-1" and to == "interval":
         return np.stack([value, value], axis=-1)
     if kind == to:
@@ -136,7 +136,7 @@ def _promoted(kind: Kind, value: Relation, to: Kind) -> Relation:
 
 
 def _in_order(kind: Kind, value: Relation) -> Relation:
-    """Return the same, with the ends of narrow intervals in order, which rounding may exchange."""
+    """Return the array with all ends in order, which rounding may have swapped."""
     return np.sort(value, axis=-1) if kind == "interval" else value
 
 
@@ -156,9 +156,9 @@ def cartesian_product(
     Parameters
     ----------
     *sets : (U_i,) or (U_i, 2) array_like, or sequence of U_i Type1Set
-        Sets of the three kinds; the product is of the most general one.
+        Sets of any of the three kinds. The product has the most general kind among them.
     t_norm, grade_t_norm : str, TNorm or callable
-        As in `fuzzy2.meet`; the second matters for general type-2 sets only.
+        As in `fuzzy2.meet`; the second is used for general type-2 sets only.
 
     Returns
     -------
@@ -168,7 +168,7 @@ def cartesian_product(
     Raises
     ------
     InvalidValue
-        If a set is of none of the three kinds.
+        If a set is not of one of the three kinds.
     """
     if not sets:
         raise InvalidValue("sets", sets, "at least one set")
@@ -206,15 +206,17 @@ def compose(
 ) -> Relation:
     r"""Return the composition of two relations, or of a set with a relation.
 
-    On discrete universes, eq. 1.61 and 1.62; of a set with a relation, eq. 1.65.
+    The universes are discrete. Relations follow eq. 1.61 and 1.62, a set with a relation follows
+    eq. 1.65.
 
     .. math::
         \mu_{R \circ S}(u, w) = \sup_{v \in V} \left[\mu_R(u, v) * \mu_S(v, w)\right], \qquad
         \mu_{\tilde R \circ \tilde S}(u, w) = \bigsqcup_{v \in V}
         \left[\mu_{\tilde R}(u, v) \sqcap \mu_{\tilde S}(v, w)\right]
 
-    the sup-star composition of type-1 relations, and its extension; for interval relations the
-    extension is the sup-star composition of the lower and of the upper grades (1.29).
+    These are the sup-star composition of type-1 relations, and its extension to type-2 relations.
+    For interval relations the extension is the sup-star composition of the lower and of the upper
+    grades (1.29).
 
     Parameters
     ----------
@@ -223,17 +225,17 @@ def compose(
     S : (V, W) or (V, W, 2) array_like, or (V, W) of Type1Set
         The second relation, of the same kind as the first.
     t_norm, grade_t_norm : str, TNorm or callable
-        As in `fuzzy2.meet` and `fuzzy2.join`; the second matters for general type-2 relations only.
+        As in `fuzzy2.meet` and `fuzzy2.join`; the second is used for general type-2 relations only.
 
     Returns
     -------
     (U, W) or (U, W, 2) array
-        The composed relation; a set on W without the first axis if R is a set.
+        The composed relation. If R is a set, the result is a set on W, without the first axis.
 
     Raises
     ------
     InvalidValue
-        If an argument is of none of the three kinds, both are not of the same kind, or the
+        If an argument is not of one of the three kinds, if the two kinds differ, or if the
         universes V differ in size.
     """
     as_t_norm(t_norm if grade_t_norm is None else grade_t_norm)
@@ -282,7 +284,7 @@ def relation_union(
     Parameters
     ----------
     *relations : (U, V) or (U, V, 2) array_like, or (U, V) of Type1Set
-        Relations of the three kinds; the union is of the most general one.
+        Relations of any of the three kinds. The union has the most general kind among them.
     t_norm, grade_t_norm, t_conorm : str, norm or callable
         As in `fuzzy2.join`.
 
@@ -294,7 +296,7 @@ def relation_union(
     Raises
     ------
     InvalidValue
-        If a relation is of none of the three kinds, or the universes differ in size.
+        If a relation is not of one of the three kinds, or if the universes differ in size.
     """
     kind, operands = _on_the_same_universes(relations)
     if kind != "general":
@@ -315,7 +317,7 @@ def relation_intersection(
     Parameters
     ----------
     *relations : (U, V) or (U, V, 2) array_like, or (U, V) of Type1Set
-        Relations of the three kinds; the intersection is of the most general one.
+        Relations of any of the three kinds. The intersection has the most general kind among them.
     t_norm, grade_t_norm : str, TNorm or callable
         As in `fuzzy2.meet`.
 
@@ -327,7 +329,7 @@ def relation_intersection(
     Raises
     ------
     InvalidValue
-        If a relation is of none of the three kinds, or the universes differ in size.
+        If a relation is not of one of the three kinds, or if the universes differ in size.
     """
     kind, operands = _on_the_same_universes(relations)
     if kind != "general":
@@ -353,7 +355,7 @@ def relation_complement(R: RelationLike) -> Relation:
     Raises
     ------
     InvalidValue
-        If the relation is of none of the three kinds.
+        If the relation is not of one of the three kinds.
     """
     kind, relation = _checked("R", R, 2)
     if kind == "general":

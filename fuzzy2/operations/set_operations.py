@@ -5,9 +5,9 @@ r"""Union, intersection and complement of fuzzy sets of every type (eq. 1.9-1.11
     \mu_{\tilde A \cap \tilde B}(x) = \mu_{\tilde A}(x) \sqcap \mu_{\tilde B}(x), \qquad
     \mu_{\overline{\tilde A}}(x) = \neg \mu_{\tilde A}(x)
 
-Of type-1 sets the grades themselves are combined, and of interval type-2 sets the lower and the
-upper grades, each among themselves (1.29). The result is of the most general type among the
-operands.
+For type-1 sets the grades themselves are combined. For interval type-2 sets the lower grades are
+combined with each other, and so are the upper grades (1.29). The result has the most general type
+among the operands.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def union(
     *sets : Type1Set, IntervalType2Set or GeneralType2Set
         The sets, of any types.
     t_norm, grade_t_norm, t_conorm : str, norm or callable
-        As in `fuzzy2.join`; the first two matter for general type-2 sets only.
+        As in `fuzzy2.join`; the first two are used for general type-2 sets only.
 
     Returns
     -------
@@ -60,7 +60,7 @@ def union(
     InvalidValue
         If an argument is not a fuzzy set.
     """
-    # Not all of them matter to all kinds of sets, but a misspelled name should not wait.
+    # Not every kind of set uses all of them, but a misspelled name should raise at once.
     as_t_norm(t_norm if grade_t_norm is None else grade_t_norm)
     as_t_norm(t_norm)
     supports = _supports(sets)
@@ -83,7 +83,7 @@ def intersection(
     *sets : Type1Set, IntervalType2Set or GeneralType2Set
         The sets, of any types.
     t_norm, grade_t_norm : str, TNorm or callable
-        As in `fuzzy2.meet`; the second matters for general type-2 sets only.
+        As in `fuzzy2.meet`; the second is used for general type-2 sets only.
 
     Returns
     -------
@@ -98,7 +98,8 @@ def intersection(
     as_t_norm(t_norm if grade_t_norm is None else grade_t_norm)
     supports = _supports(sets)
     left, right = max(left for left, _ in supports), min(right for _, right in supports)
-    # Of sets that do not meet nothing is left; a point between them is as good a domain as any.
+    # If the sets do not overlap, the intersection is empty, and a point between them serves as its
+    # domain.
     domain = (left, right) if left <= right else (0.5 * (left + right),) * 2
     return _combined(
         sets,
@@ -109,17 +110,17 @@ def intersection(
 
 
 def complement(fuzzy_set: FuzzySet) -> FuzzySet:
-    """Return the complement of a fuzzy set (eq. 1.11), which is unbounded.
+    """Return the complement of a fuzzy set (eq. 1.11), whose support is unbounded.
 
     Parameters
     ----------
     fuzzy_set : Type1Set, IntervalType2Set or GeneralType2Set
-        The set. Of a `SampledType2Set` the complement is sampled at the same points.
+        The set. The complement of a `SampledType2Set` is sampled at the same points.
 
     Returns
     -------
     Type1Set, IntervalType2Set or GeneralType2Set
-        The complement, of the same type; that of a complement is the set itself.
+        The complement, of the same type. The complement of a complement is the original set.
 
     Raises
     ------
@@ -150,9 +151,9 @@ def _complement(fuzzy_set: Type1Set) -> Type1Set:
 
 
 def _two_knots(landmarks: Array) -> tuple[float, ...]:
-    """Return the landmarks, and for a single one two points beside it.
+    """Return the landmarks, or two points beside the landmark if there is only one.
 
-    An unbounded set must say where it is.
+    An unbounded set needs at least two points that locate it.
     """
     if landmarks.size == 1:
         landmarks = landmarks[0] + np.array([-1.0, 0.0, 1.0])

@@ -1,8 +1,8 @@
-"""T-norms and t-conorms: how grades are combined by *and* and by *or*.
+"""T-norms and t-conorms, which combine grades by *and* and by *or*.
 
 A t-norm is commutative, associative, non-decreasing in both grades, and has 1 as its identity; its
-dual t-conorm is ``S(a, b) = 1 - T(1 - a, 1 - b)``. Kernels for the two t-norms of the thesis know
-them by the codes `MINIMUM` and `PRODUCT`.
+dual t-conorm is ``S(a, b) = 1 - T(1 - a, 1 - b)``. Compiled kernels identify the two t-norms of the
+thesis by the codes `MINIMUM` and `PRODUCT`.
 """
 
 from __future__ import annotations
@@ -23,23 +23,24 @@ BinaryFunction = Callable[[Array, Array], Array]
 MINIMUM: Final = 0
 PRODUCT: Final = 1
 
-# A t-norm that is written by a user is tried on these grades; 1/3 and 2/3 are not on the even grid
-# on purpose.
+# A t-norm given as a function is checked on these grades. 1/3 and 2/3 are deliberately not on the
+# even grid.
 _TRIAL_GRADES = np.unique(np.concatenate([np.linspace(0.0, 1.0, 11), [1.0 / 3.0, 2.0 / 3.0]]))
 _TRIAL_TOLERANCE = 1e-9
 
 
 class _Norm:
-    """What t-norms and t-conorms share.
+    """Base of t-norms and t-conorms.
 
-    A name, a function of two grades, and calls with any number of arrays of grades.
+    It has a name and a function of two grades, and it can be called with any number of arrays of
+    grades.
     """
 
     name: str
     function: BinaryFunction
 
     def __call__(self, *grades: ArrayLike) -> Array:
-        """Combine grades of shapes that broadcast, from left to right; NaN gives NaN."""
+        """Combine grades whose shapes broadcast, from left to right; NaN gives NaN."""
         if not grades:
             raise InvalidValue("grades", grades, "at least one array")
         combined = np.asarray(grades[0], dtype=float)
@@ -50,7 +51,7 @@ class _Norm:
         return combined
 
     def reduce(self, grades: ArrayLike, axis: int = -1) -> Array:
-        """Combine the grades along one axis, for instance the antecedents of each rule."""
+        """Combine the grades along one axis, for instance over the antecedents of each rule."""
         moved = np.moveaxis(np.asarray(grades, dtype=float), axis, 0)
         if moved.shape[0] == 0:
             raise InvalidValue("grades", moved, "at least one along the axis")
@@ -64,12 +65,12 @@ class TNorm(_Norm):
     Parameters
     ----------
     name : str
-        As it is shown.
+        Name that is shown.
     function : callable
         Takes two arrays of grades and returns an array.
     continuous : bool
         Whether it is a continuous function of both grades. The interval theorem (1.29) and the
-        operations on sets over a continuous domain hold only then.
+        operations on sets over a continuous domain require that.
     """
 
     name: str
@@ -78,7 +79,7 @@ class TNorm(_Norm):
 
     @property
     def code(self) -> int:
-        """Number by which compiled kernels know this t-norm.
+        """Number that identifies this t-norm in compiled kernels.
 
         Raises
         ------
@@ -102,7 +103,7 @@ class TConorm(_Norm):
     Parameters
     ----------
     name : str
-        As it is shown.
+        Name that is shown.
     function : callable
         Takes two arrays of grades and returns an array.
     dual : TNorm
@@ -119,7 +120,7 @@ def _product(a: Array, b: Array) -> Array:
 
 
 def _lukasiewicz(a: Array, b: Array) -> Array:
-    # a + b - 1 may round up past min(a, b): for b = 1 and a tiny a it would not return a.
+    # a + b - 1 may be rounded up past min(a, b): for b = 1 and a tiny a it would not return a.
     return np.where(b == 1.0, a, np.where(a == 1.0, b, np.maximum(a + b - 1.0, 0.0)))
 
 
@@ -128,14 +129,14 @@ def _drastic(a: Array, b: Array) -> Array:
 
 
 def _nilpotent(a: Array, b: Array) -> Array:
-    # a + b would round a tiny grade away; 1 - max(a, b) is exact wherever it matters.
+    # a + b would lose a tiny grade by rounding; 1 - max(a, b) is exact wherever it matters.
     low, high = np.minimum(a, b), np.maximum(a, b)
     return np.where(low <= 1.0 - high, 0.0, low)
 
 
 def _hamacher(a: Array, b: Array) -> Array:
-    # 0/0 at a = b = 0 stands for the limit 0. The product of two tiny grades underflows, but this
-    # is no less than half of the smaller.
+    # At a = b = 0 the quotient 0/0 is replaced by its limit 0. The product of two tiny grades
+    # underflows, but the result is at least half of the smaller one.
     low, high = np.minimum(a, b), np.maximum(a, b)
     denominator = high + low * (1.0 - high)
     return low * (high / np.where(high == 0.0, 1.0, denominator))
@@ -146,7 +147,7 @@ def _einstein(a: Array, b: Array) -> Array:
 
 
 def _probabilistic(a: Array, b: Array) -> Array:
-    # The same for (a, b) as for (b, a), and never above 1.
+    # This form is symmetric in a and b and never exceeds 1.
     low, high = np.minimum(a, b), np.maximum(a, b)
     return high + low * (1.0 - high)
 
@@ -165,7 +166,7 @@ def _nilpotent_maximum(a: Array, b: Array) -> Array:
 
 
 def _hamacher_sum(a: Array, b: Array) -> Array:
-    # (a + b - 2ab) / (1 - ab), written so that 1 with anything is 1 to the last digit.
+    # (a + b - 2ab) / (1 - ab), written so that 1 with any grade is exactly 1.
     low, high = np.minimum(a, b), np.maximum(a, b)
     return np.where(
         high == 1.0,
@@ -175,13 +176,13 @@ def _hamacher_sum(a: Array, b: Array) -> Array:
 
 
 def _einstein_sum(a: Array, b: Array) -> Array:
-    # (a + b) / (1 + ab), in the same way
+    # (a + b) / (1 + ab), written in the same way.
     low, high = np.minimum(a, b), np.maximum(a, b)
     return high + low * (1.0 - high) * (1.0 + high) / (1.0 + low * high)
 
 
 def _keeping_nan(function: BinaryFunction) -> BinaryFunction:
-    """Let NaN through the branches of ``np.where``, whose comparisons with NaN are false."""
+    """Propagate NaN through the branches of ``np.where``, where comparisons with NaN are false."""
 
     def combined(a: Array, b: Array) -> Array:
         return np.where(np.isnan(a) | np.isnan(b), np.nan, function(a, b))
@@ -221,11 +222,11 @@ T_CONORMS = MappingProxyType(
 
 
 ALIASES = MappingProxyType({"prod": "product", "probor": "probabilistic"})
-"""Other names of t-norms and t-conorms, MATLAB's."""
+"""MATLAB's names of t-norms and t-conorms."""
 
 
 def _violated_law(function: BinaryFunction, identity: float) -> str | None:
-    """Return the law of t-norms or t-conorms that fails on the trial grades, or None.
+    """Return the law of t-norms or t-conorms that fails on the test grades, or None.
 
     The identity is 1 for t-norms and 0 for t-conorms.
     """
@@ -246,14 +247,15 @@ def _violated_law(function: BinaryFunction, identity: float) -> str | None:
             - np.asarray(function(*np.broadcast_arrays(a[:, :, None], table[None, :, :])))
         ),
     }
-    # Not `violation > tolerance`: a function that returns NaN must fail, too.
+    # The test is not `violation > tolerance`, because a function that returns NaN must fail as
+    # well.
     return next(
         (law for law, violation in laws.items() if not violation.max() <= _TRIAL_TOLERANCE), None
     )
 
 
 def t_norm(name: str | TNorm | BinaryFunction) -> TNorm:
-    r"""Return a t-norm by its name, or make one of a function.
+    r"""Return a t-norm by its name, or make one from a function.
 
     =============  =======================================================
     name           :math:`T(a, b)`
@@ -267,18 +269,18 @@ def t_norm(name: str | TNorm | BinaryFunction) -> TNorm:
     "einstein"     :math:`a b / (1 + (1 - a)(1 - b))`
     =============  =======================================================
 
-    MATLAB's name ``"prod"`` is taken, too.
+    MATLAB's name ``"prod"`` is accepted, too.
 
     Parameters
     ----------
     name : str, TNorm or callable
-        A function takes two arrays of grades in [0, 1]. It is taken for continuous: make a `TNorm`
-        with ``continuous=False`` of one that is not.
+        A function takes two arrays of grades in [0, 1] and is assumed to be continuous. If it is
+        not, pass a `TNorm` with ``continuous=False``.
 
     Returns
     -------
     TNorm
-        Called with two or more arrays of grades whose shapes broadcast.
+        The t-norm, to be called with two or more arrays of grades whose shapes broadcast.
 
     Raises
     ------
@@ -307,7 +309,7 @@ def t_norm(name: str | TNorm | BinaryFunction) -> TNorm:
 
 
 def t_conorm(name: str | TConorm | BinaryFunction) -> TConorm:
-    r"""Return a t-conorm by its name, or make one of a function.
+    r"""Return a t-conorm by its name, or make one from a function.
 
     ===============  =======================================================
     name             :math:`S(a, b)`
@@ -321,7 +323,7 @@ def t_conorm(name: str | TConorm | BinaryFunction) -> TConorm:
     "einstein"       :math:`(a + b) / (1 + a b)`
     ===============  =======================================================
 
-    MATLAB's name ``"probor"`` is taken, too, for "probabilistic".
+    MATLAB's name ``"probor"`` is accepted for "probabilistic".
 
     Parameters
     ----------
@@ -331,7 +333,8 @@ def t_conorm(name: str | TConorm | BinaryFunction) -> TConorm:
     Returns
     -------
     TConorm
-        Called with two or more arrays of grades whose shapes broadcast; ``.dual`` is its t-norm.
+        The t-conorm, to be called with two or more arrays of grades whose shapes broadcast;
+        ``.dual`` is its dual t-norm.
 
     Raises
     ------

@@ -1,16 +1,16 @@
 """Figures of sets, operations, type reduction and systems.
 
-Those of the thesis are named after their number there.
+Figures of the thesis are named after their numbers there.
 
-Every function draws into the axes it is given, or into those of a new figure, and returns them;
-``axes[0].figure`` is the figure to save. Nothing here touches ``matplotlib.pyplot``. The look is
-that of matplotlib's settings in force::
+Every function draws into the given axes, or into those of a new figure, and returns them;
+``axes[0].figure`` is the figure to save. Nothing here uses ``matplotlib.pyplot``. The appearance
+follows the current settings of matplotlib::
 
     with fuzzy2.plots.style.style():
         figure_of_sets({"low": low, "high": high})[0].figure.savefig("sets.svg")
 
-Secondary grades are drawn as darkness (in the dark theme, brightness): the fuller the color, the
-higher the grade.
+Secondary grades are drawn as darkness, or as brightness in the dark theme: the stronger the color,
+the higher the grade.
 """
 
 from __future__ import annotations

@@ -29,14 +29,14 @@ from fuzzy2.support.checks import Array
 
 
 def figure_1(axes: Sequence[Axes] | None = None) -> Panels:
-    """Draw an ordinary triangular set and the type-2 set that blurring it gives.
+    """Draw an ordinary triangular set and the type-2 set that results from blurring it.
 
-    Memberships become intervals (Fig. 1).
+    Blurring turns memberships into intervals (Fig. 1).
 
     Parameters
     ----------
     axes : sequence of 2 Axes, optional
-        For the ordinary and the blurred set; those of a new figure by default.
+        Axes for the ordinary and the blurred set; by default, those of a new figure.
 
     Returns
     -------
@@ -46,12 +46,12 @@ def figure_1(axes: Sequence[Axes] | None = None) -> Panels:
     Raises
     ------
     InvalidValue
-        If another number of axes is given.
+        If the number of axes is wrong.
     """
     panels = given_panels(axes, 2) or new_panels(9.0, 3.2, 1, 2, sharey=True)
     ordinary = Triangular(left=2.0, peak=5.0, right=8.0)
-    # All triangles with corners in [1, 3], [4.5, 5.5] and [7.3, 8.7]: what some reach, and what
-    # none stays below.
+    # All triangles with corners in [1, 3], [4.5, 5.5] and [7.3, 8.7] are embedded: the upper
+    # function is their maximum, the lower one their minimum.
     height = (7.3 - 3.0) / ((5.5 - 3.0) + (7.3 - 4.5))
     blurred = IntervalType2Set(
         lower=Triangular(left=3.0, peak=3.0 + height * (5.5 - 3.0), right=7.3, height=height),
@@ -106,7 +106,7 @@ def figure_2(axes: Sequence[Axes] | Axes | None = None) -> Panels:
     Parameters
     ----------
     axes : Axes, optional
-        Those of a new figure by default.
+        Axes to draw into; by default, those of a new figure.
 
     Returns
     -------
@@ -116,7 +116,7 @@ def figure_2(axes: Sequence[Axes] | Axes | None = None) -> Panels:
     Raises
     ------
     InvalidValue
-        If another number of axes is given.
+        If the number of axes is wrong.
     """
     return figure_from_above(_wide_and_narrow(5.0, 1.4), axes)
 
@@ -124,7 +124,7 @@ def figure_2(axes: Sequence[Axes] | Axes | None = None) -> Panels:
 def _wide_and_narrow(mean: float, sigma: float) -> GaussianType2Set:
     """Return a Gaussian type-2 set whose secondaries are widest on the flanks.
 
-    As if the mean were what is uncertain.
+    It looks as if the mean were uncertain.
     """
     principal = Gaussian(mean, sigma)
 
@@ -140,8 +140,8 @@ def figure_3(axes: Sequence[Axes] | None = None) -> Panels:
     Parameters
     ----------
     axes : sequence of 2 Axes, optional
-        For the uncertain mean and the uncertain standard deviation; those of a new figure by
-        default.
+        Axes for the uncertain mean and the uncertain standard deviation; by default, those of a new
+        figure.
 
     Returns
     -------
@@ -151,7 +151,7 @@ def figure_3(axes: Sequence[Axes] | None = None) -> Panels:
     Raises
     ------
     InvalidValue
-        If another number of axes is given.
+        If the number of axes is wrong.
     """
     panels = given_panels(axes, 2) or new_panels(9.0, 3.2, 1, 2, sharey=True)
     uncertain: tuple[tuple[IntervalType2Set, list[Gaussian], str], ...] = (
@@ -187,12 +187,12 @@ def figure_3(axes: Sequence[Axes] | None = None) -> Panels:
 def figure_4(axes: Sequence[Axes] | None = None) -> Panels:
     """Draw union and intersection of two general type-2 sets (Fig. 4).
 
-    :func:`figure_of_operations` draws those of any others.
+    :func:`figure_of_operations` draws them for any other sets.
 
     Parameters
     ----------
     axes : sequence of 3 Axes, optional
-        For the sets, their union and their intersection; those of a new figure by default.
+        Axes for the sets, their union and their intersection; by default, those of a new figure.
 
     Returns
     -------
@@ -202,7 +202,7 @@ def figure_4(axes: Sequence[Axes] | None = None) -> Panels:
     Raises
     ------
     InvalidValue
-        If another number of axes is given.
+        If the number of axes is wrong.
     """
     return figure_of_operations(_wide_and_narrow(3.5, 1.2), _wide_and_narrow(6.5, 1.0), axes=axes)
 
@@ -210,12 +210,12 @@ def figure_4(axes: Sequence[Axes] | None = None) -> Panels:
 def figure_5(axes: Sequence[Axes] | None = None) -> Panels:
     """Draw join and meet of two convex normal fuzzy numbers (Fig. 5).
 
-    Under minimum and maximum, eq. 1.14 and 1.15.
+    They are computed under minimum and maximum, with eq. 1.14 and 1.15.
 
     Parameters
     ----------
     axes : sequence of 3 Axes, optional
-        For the numbers, their join and their meet; those of a new figure by default.
+        Axes for the numbers, their join and their meet; by default, those of a new figure.
 
     Returns
     -------
@@ -225,7 +225,7 @@ def figure_5(axes: Sequence[Axes] | None = None) -> Panels:
     Raises
     ------
     InvalidValue
-        If another number of axes is given.
+        If the number of axes is wrong.
     """
     return figure_of_join_and_meet(
         Gaussian(0.42, 0.15), Triangular(left=0.25, peak=0.6, right=0.7), axes=axes

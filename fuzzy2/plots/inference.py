@@ -1,4 +1,4 @@
-"""The inference as a picture, which MATLAB calls the rule viewer: a row a rule."""
+"""The inference as a picture with one row for each rule, which MATLAB calls the rule viewer."""
 
 from __future__ import annotations
 
@@ -18,31 +18,32 @@ from fuzzy2.systems.operators import SUM
 from fuzzy2.systems.shares import points_of_rules
 
 MOST = 12
-"""Rules that are drawn, those that contribute most."""
+"""Greatest number of rules that are drawn; those that contribute most are chosen."""
 
 
 def figure_of_inference(
     explanation: Explanation, output: int = 0, axes: Sequence[Axes] | Axes | None = None
 ) -> Panels:
-    """Draw how rules lead from an input to an output, a row a rule.
+    """Draw how rules lead from an input to an output, with one row for each rule.
 
-    On the left the terms that the rule asks for, with the input as a line and the grades filled;
-    on the right what the rule says, clipped or scaled by its firing: a set, or a point or an
-    interval as high as the rule fires. Below, the union of what all rules say, the type-reduced
-    interval as a band, and the crisp output as a line. Of a general type-2 system the lowest
-    α-plane is drawn, and the crisp output of all planes; under the Gaussian corollary the band is
-    a standard deviation to both sides. At most twelve rules, those that contribute most; the union
-    is that of all.
+    The left panels show the terms of the antecedent, with the input as a line and the area below
+    its grades filled. The right panel shows the consequent, clipped or scaled by the firing
+    interval: a set, or a point or an interval whose height is the firing. The last row shows the
+    union of all consequents, the type-reduced interval as a band, and the crisp output as a line.
+    For a general type-2 system the lowest α-plane is drawn, with the crisp output of all planes;
+    under the Gaussian corollary the band is one standard deviation wide on both sides. At most
+    twelve rules are drawn, those that contribute most, but the union includes all rules.
 
     Parameters
     ----------
     explanation : Explanation
-        What ``system.explain(x)`` returned.
+        The result of ``system.explain(x)``.
     output : int
         Number of the output.
     axes : sequence of Axes, optional
-        A row for each rule that is drawn and one more, of a column for each input and one more;
-        those of a new figure by default.
+        Axes to draw into: one row for each rule that is drawn and a last row for the result, with
+        one column for each input and a last column for the output. By default, those of a new
+        figure.
 
     Returns
     -------
@@ -52,7 +53,7 @@ def figure_of_inference(
     Raises
     ------
     InvalidValue
-        If there is no such output, or another number of axes is given.
+        If there is no such output, or if the number of axes is wrong.
     """
     of_kind("explanation", explanation, Explanation, "what explain() of a system returns")
     explanation = explanation.pictured
@@ -83,12 +84,12 @@ def figure_of_inference(
 
 
 class _Shown:
-    """What is drawn of an explanation: of the plane that stands for the system."""
+    """The part of an explanation that is drawn: the plane that represents the system."""
 
     def __init__(self, explanation: Explanation, output: int) -> None:
         self.explanation, self.output = explanation, output
         system = explanation.system
-        # The lowest α-plane comes first; other systems stand for themselves.
+        # The lowest α-plane comes first; other systems represent themselves.
         self.plane = system.explained_by[0][1]
         rules = self.plane.rules
         self.trees = rules if isinstance(rules, tuple) else trees_of(rules)
@@ -96,7 +97,7 @@ class _Shown:
         self.colors = cycle_colors()
         self.domains = [domain_of(terms) if terms else (0.0, 1.0) for terms in self.plane.inputs]
         self.sets = self.plane.consequent_sets
-        # Sets that are replaced by their centroids are drawn as sets all the same.
+        # Sets are drawn as sets even if type reduction replaces them with their centroids.
         self.range = self._range()
 
     def _range(self) -> tuple[float, float]:
@@ -120,7 +121,7 @@ class _Shown:
         return np.ones(len(self.firing), bool) if silent is None else ~silent[:, self.output]
 
     def draw_terms(self, panel: Axes, r: int, i: int) -> None:
-        """Draw the terms of an input that a rule asks for, and the input."""
+        """Draw the terms of an input in a rule's antecedent, and the input."""
         asked = [leaf for leaf in leaves(self.trees[r]) if leaf.variable == i]
         terms = [leaf.term for leaf in asked if leaf.term is not None]
         if not terms:
@@ -147,7 +148,7 @@ class _Shown:
         panel.title.set_fontsize("x-small")
 
     def draw_said(self, panel: Axes, r: int) -> None:
-        """Draw what a rule says, by its firing."""
+        """Draw the consequent of a rule, clipped or scaled by its firing."""
         if not self._speaks()[r]:
             _hide(panel)
             return
@@ -184,7 +185,7 @@ class _Shown:
         return np.asarray(self.plane.implication(self.firing[r][:, np.newaxis], grades))
 
     def union(self, points: Array) -> Array:
-        """Return lower and upper grades (2, n) of the union of what all rules say."""
+        """Return lower and upper grades (2, n) of the union of all consequents."""
         rules = np.flatnonzero(self._speaks())
         clipped = np.stack([self._clipped(int(r), points) for r in rules])
         kind = self.plane.type_reduction
@@ -228,7 +229,7 @@ class _Shown:
 
 
 def _hide(panel: Axes) -> None:
-    """Leave a panel empty but for its label, which says what its row is."""
+    """Leave a panel empty except for its label, which describes its row."""
     panel.set(xticks=(), yticks=())
     for spine in panel.spines.values():
         spine.set_visible(False)

@@ -1,7 +1,7 @@
-r"""Names in figures: a dollar begins no formula in them, and an underscore hides none.
+r"""Names in figures, protected from matplotlib's special characters.
 
-Matplotlib sets ``$\foo$`` as mathematics, and raises where it is none; it leaves a label with an
-underscore in front out of legends.
+Matplotlib typesets ``$\foo$`` as mathematics and raises an error if it cannot be parsed, and it
+leaves labels that begin with an underscore out of legends.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ _INVISIBLE = "\N{ZERO WIDTH SPACE}"
 
 
 def literal(name: str) -> str:
-    """Return a label that shows a name, or any text of others, letter by letter.
+    """Return a label that shows a name, or any other text, letter by letter.
 
     Parameters
     ----------
@@ -22,8 +22,8 @@ def literal(name: str) -> str:
     Returns
     -------
     str
-        What matplotlib draws as the name; what no eye sees is written as its number, see
-        :func:`fuzzy2.errors.printable`.
+        A text that matplotlib draws as the name. Invisible characters are written as their numbers,
+        see :func:`fuzzy2.errors.printable`.
     """
     shown = printable(name).replace("$", r"\$")
     return _INVISIBLE + shown if shown.startswith("_") else shown

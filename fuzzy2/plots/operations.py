@@ -28,7 +28,7 @@ def _draw_discrete(
     axes: Axes, fuzzy_set: Type1Set, color: str, label: str | None, width: float
 ) -> None:
     points, grades = discrete_points(fuzzy_set)
-    # Lines, not stems made of a collection, so that legend and thickness are those of the curves of
+    # Plain lines, not a collection of stems, so that legend and line width match the curves of
     # other sets.
     up_and_down = np.stack([np.zeros_like(grades), grades, np.full_like(grades, np.nan)], axis=-1)
     axes.plot(np.repeat(points, 3), up_and_down.ravel(), color=color, label=label, linewidth=width)
@@ -42,18 +42,18 @@ def figure_of_operations(
 ) -> Panels:
     """Draw two fuzzy sets, their union (eq. 1.9) and their intersection (eq. 1.10; after Fig. 4).
 
-    General type-2 sets are drawn from above: the fuller the color, the higher the secondary grade;
-    lines are their principal membership functions.
+    General type-2 sets are drawn from above: the stronger the color, the higher the secondary
+    grade. Lines show their principal membership functions.
 
     Parameters
     ----------
     first, second : FuzzySet
-        The sets. If one is of general type 2, so are union and intersection.
+        The sets. If one is a general type-2 set, so are the union and the intersection.
     t_norm : str, TNorm or callable
         See :func:`fuzzy2.operations.set_operations.intersection`; the grades are combined by the
         minimum.
     axes : sequence of 3 Axes, optional
-        For the sets, their union and their intersection; those of a new figure by default.
+        Axes for the sets, their union and their intersection; by default, those of a new figure.
 
     Returns
     -------
@@ -63,7 +63,7 @@ def figure_of_operations(
     Raises
     ------
     InvalidValue
-        If another number of axes is given.
+        If the number of axes is wrong.
     """
     for name, one in (("first", first), ("second", second)):
         of_kind(name, one, (Type1Set, IntervalType2Set, GeneralType2Set), "a fuzzy set")
@@ -96,7 +96,7 @@ def figure_of_join_and_meet(
 ) -> Panels:
     """Draw two secondary memberships, their join and their meet (eq. 1.12; after Fig. 5).
 
-    Discrete ones as stems.
+    Discrete sets are drawn as stems.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def figure_of_join_and_meet(
     t_norm, grade_t_norm : str, TNorm or callable
         See :func:`fuzzy2.operations.join_meet.meet`.
     axes : sequence of 3 Axes, optional
-        For both sets, their join and their meet; those of a new figure by default.
+        Axes for both sets, their join and their meet; by default, those of a new figure.
 
     Returns
     -------
@@ -115,7 +115,7 @@ def figure_of_join_and_meet(
     Raises
     ------
     InvalidValue
-        If another number of axes is given.
+        If the number of axes is wrong.
     """
     panels = given_panels(axes, 3) or new_panels(6.0, 6.0, 3, sharex=True)
     results = {
@@ -123,8 +123,8 @@ def figure_of_join_and_meet(
         "Meet": meet(F, G, t_norm=t_norm, grade_t_norm=grade_t_norm),
     }
     domain, colors = domain_of([F, G, *results.values()]), cycle_colors()
-    # Among discrete sets there is nothing between the points, and joins are no interpolations of
-    # joins.
+    # Discrete sets have nothing between their points, and the join of interpolations is not the
+    # interpolation of the join.
     discrete = is_discrete(F) and is_discrete(G)
     for operand, color, name in ((F, colors[0], "F"), (G, colors[1], "G")):
         if discrete:

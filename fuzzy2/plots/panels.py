@@ -1,4 +1,4 @@
-"""The panels that figures are drawn into, and their colors."""
+"""Panels that figures are drawn into, and their colors."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ def given_panels(
     count: int,
     error: Callable[[str, object, str], Exception] = InvalidValue,
 ) -> Panels | None:
-    """Return the panels to draw into, None if none are given; refuse a wrong number of them.
+    """Return the given panels, or None if none are given; refuse a wrong number of panels.
 
-    ``error`` makes the error from the argument's name, its value and what it must be.
+    ``error`` makes the exception from the argument's name, its value and the requirement.
     """
     if axes is None:
         return None
@@ -43,7 +43,7 @@ def new_panels(
 
 
 def space_panel(axes: Sequence[Axes] | Axes | None) -> Any:
-    """Return the one three-dimensional panel to draw into, new if none is given."""
+    """Return the three-dimensional panel to draw into; make a new one if none is given."""
     (panel,) = given_panels(axes, 1) or new_panels(6.0, 4.6, subplot_kw={"projection": "3d"})
     if panel.name != "3d":
         raise InvalidValue("axes", panel.name, 'three-dimensional, made with projection="3d"')
@@ -60,22 +60,22 @@ def cycle_colors() -> list[str]:
 
 
 def muted() -> str:
-    """Color for what is not data.
+    """Return the color for elements that are not data.
 
-    That of the ticks, which every theme sets against its background.
+    It is the color of the ticks, which contrasts with the background in every theme.
     """
     return to_hex(rcParams["xtick.color"])
 
 
 def deep(color: str) -> str:
-    """Return a color nearer to that of the text, to stand out from the shades."""
+    """Return the color moved toward that of the text, so that it stands out from the shades."""
     return to_hex(LinearSegmentedColormap.from_list("", [color, rcParams["text.color"]])(0.4))
 
 
 def shades_of(color: str) -> Colormap:
-    """Return colors for grades from 0 to 1.
+    """Return a color map for grades from 0 to 1.
 
-    From none at all, so that sets can lie over one another, to full.
+    Colors range from transparent, so that sets can overlap, to opaque.
     """
     return LinearSegmentedColormap.from_list(
         "grades", [to_rgba(color, 0.0), to_rgba(color, 0.5), to_rgba(color, 1.0)]
@@ -83,6 +83,6 @@ def shades_of(color: str) -> Colormap:
 
 
 def check_output(output: object, count: int) -> None:
-    """Raise :class:`InvalidValue` if something is no number of one of so many outputs."""
+    """Raise :class:`InvalidValue` unless a value is the number of one of ``count`` outputs."""
     if whole_number("output", output, 0) >= count:
         raise InvalidValue("output", output, f"from 0 to {count - 1}")

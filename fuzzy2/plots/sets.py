@@ -33,21 +33,21 @@ from fuzzy2.support.checks import Array, of_kind, reals
 from fuzzy2.support.quadrature import merged
 
 POINTS = 513
-"""Points along a curve, besides those where it bends."""
+"""Number of points along a curve, besides those where it bends."""
 
 ACROSS = 301
-"""Points and primary memberships in the picture of a general type-2 set."""
+"""Numbers of points and of primary memberships in the picture of a general type-2 set."""
 
 VISIBLE = 3e-3
 """Membership grade below which the tail of an unbounded set is left out."""
 
 
 def domain_of(sets: Sequence[FuzzySet]) -> tuple[float, float]:
-    """Return the range in which something is to be seen of the sets, with a margin."""
+    """Return the range in which the sets are visible, with a margin."""
     ends = []
     for fuzzy_set in sets:
-        # The footprint of a set with unbounded secondaries is all of [0, 1] everywhere; its
-        # principal membership is not.
+        # The footprint of a set with unbounded secondary memberships is all of [0, 1] everywhere,
+        # but its principal membership is not.
         shown = fuzzy_set.principal if isinstance(fuzzy_set, GeneralType2Set) else fuzzy_set.upper
         points = merged(fuzzy_set.landmarks, shown.landmarks)
         grid = merged(np.linspace(points[0], points[-1], POINTS), points)
@@ -62,9 +62,9 @@ def domain_of(sets: Sequence[FuzzySet]) -> tuple[float, float]:
 
 
 def points_of(domain: tuple[float, float], *sets: FuzzySet) -> Array:
-    """Return points across a domain, with those where the sets bend.
+    """Return points across a domain, including the points where the sets bend.
 
-    Of the latter also the floats on both sides, for it may be a jump.
+    The floats on both sides of a bend are included, because it may be a jump.
     """
     bends = merged(*(fuzzy_set.landmarks for fuzzy_set in sets))
     both = merged(
@@ -91,7 +91,7 @@ def draw_type1(
     label: str | None,
     **line: Any,
 ) -> None:
-    """Draw the membership function of a type-1 set; ``line`` are options of its line."""
+    """Draw the membership function of a type-1 set; ``line`` holds options of the line."""
     if isinstance(fuzzy_set, Singleton):
         axes.plot([fuzzy_set.point] * 2, [0.0, 1.0], color=color, label=label)
         axes.plot(fuzzy_set.point, 1.0, marker="o", markersize=4.0, color=color)
@@ -116,7 +116,7 @@ def draw_footprint(
     color: str,
     label: str | None,
 ) -> None:
-    """Draw the footprint of uncertainty of an interval type-2 set and its edges."""
+    """Draw the footprint of uncertainty of an interval type-2 set and its bounds."""
     points = points_of(domain, fuzzy_set)
     lower, upper = fuzzy_set.footprint(points).T
     axes.fill_between(points, lower, upper, color=color, alpha=0.25, linewidth=0.0, label=label)
@@ -133,8 +133,8 @@ def _draw_general(
 ) -> AxesImage:
     x, u = np.linspace(*domain, ACROSS), np.linspace(0.0, 1.0, ACROSS)
     grades = np.array([fuzzy_set.secondary(point)(u) for point in x.tolist()])
-    # An image is one pixel a point in vector formats, too, where a mesh would be a hundred thousand
-    # shapes.
+    # An image takes one pixel per point in vector formats, too, where a mesh would take a hundred
+    # thousand shapes.
     half_x, half_u = 0.5 * (x[1] - x[0]), 0.5 * (u[1] - u[0])
     extent = (x[0] - half_x, x[-1] + half_x, u[0] - half_u, u[-1] + half_u)
     image = axes.imshow(
@@ -167,16 +167,16 @@ def figure_of_sets(
 ) -> Panels:
     """Draw membership functions of type-1, interval type-2 and general type-2 sets.
 
-    A type-1 set is a line; an interval type-2 set its footprint of uncertainty (eq. 1.4) between
-    the upper membership function and the lower, dashed one; a general type-2 set is seen from
-    above, with the principal membership function as a line.
+    A type-1 set is drawn as a line. An interval type-2 set is drawn as its footprint of uncertainty
+    (eq. 1.4) between the upper and the dashed lower membership function. A general type-2 set is
+    drawn from above, with its principal membership function as a line.
 
     Parameters
     ----------
     sets : FuzzySet, or mapping from names to them
         The sets.
     axes : Axes, optional
-        Those of a new figure by default.
+        Axes to draw into; by default, those of a new figure.
 
     Returns
     -------
@@ -186,7 +186,7 @@ def figure_of_sets(
     Raises
     ------
     InvalidValue
-        If another number of axes is given, or there is no set.
+        If the number of axes is wrong, or if there are no sets.
     """
     named: Mapping[Any, FuzzySet] = sets if isinstance(sets, Mapping) else {None: sets}
     for one in named.values():
@@ -215,7 +215,7 @@ def figure_from_above(
 ) -> Panels:
     r"""Draw a general type-2 set from above.
 
-    Secondary grades :math:`\mu(x, u)` (eq. 1.1) as darkness (after Fig. 2).
+    Secondary grades :math:`\mu(x, u)` (eq. 1.1) are drawn as darkness (after Fig. 2).
 
     The line is the principal membership function, where the secondary grade is greatest.
 
@@ -224,7 +224,7 @@ def figure_from_above(
     fuzzy_set : GeneralType2Set
         The set.
     axes : Axes, optional
-        Those of a new figure by default.
+        Axes to draw into; by default, those of a new figure.
 
     Returns
     -------
@@ -234,7 +234,7 @@ def figure_from_above(
     Raises
     ------
     InvalidValue
-        If another number of axes is given.
+        If the number of axes is wrong.
     """
     of_kind("fuzzy_set", fuzzy_set, GeneralType2Set, "a general type-2 set")
     (panel,) = given_panels(axes, 1) or new_panels(6.0, 3.6)
@@ -252,18 +252,17 @@ def figure_in_space(
 ) -> Panels:
     r"""Draw a general type-2 set in space.
 
-    The secondary grade (eq. 1.1) over points and primary memberships.
+    The surface shows the secondary grade (eq. 1.1) over points and primary memberships.
 
-    The surface spans each vertical slice from end to end of its support, or of its α-cut at 0.01
-    where the support reaches further; on the floor lies what it spans, the footprint of
-    uncertainty.
+    The surface covers the support of each vertical slice, or its α-cut at 0.01 if the support
+    extends further. The footprint of uncertainty below it is drawn on the floor.
 
     Parameters
     ----------
     fuzzy_set : GeneralType2Set
-        With convex vertical slices.
+        The set, with convex vertical slices.
     axes : 3D Axes, optional
-        Those of a new figure by default.
+        Axes to draw into; by default, those of a new figure.
 
     Returns
     -------
@@ -273,7 +272,7 @@ def figure_in_space(
     Raises
     ------
     InvalidValue
-        If another number of axes is given, or they are not three-dimensional.
+        If the number of axes is wrong, or if they are not three-dimensional.
     NotApplicable
         If a vertical slice is not convex.
     """
@@ -287,11 +286,11 @@ def figure_in_space(
     grades = np.array(
         [fuzzy_set.secondary(point)(row) for point, row in zip(points.tolist(), u, strict=True)]
     )
-    # Walls down to the floor at both ends, so that slices with vertical sides look solid.
+    # Walls down to the floor at both ends make slices with vertical sides look solid.
     u = np.concatenate([u[:, :1], u, u[:, -1:]], axis=1)
     grades = np.pad(grades, ((0, 0), (1, 1)))
     x = np.broadcast_to(points[:, None], u.shape)
-    # Opaque: the slices behind must not show through those in front.
+    # Surfaces are opaque, so that the slices behind do not show through those in front.
     shades = LinearSegmentedColormap.from_list(
         "grades", [rcParams["axes.facecolor"], cycle_colors()[0]]
     )
@@ -333,7 +332,7 @@ def figure_of_secondaries(
 ) -> Panels:
     """Draw vertical slices of a type-2 set.
 
-    Secondary grade over primary membership at points (eq. 1.3).
+    Each curve shows the secondary grade over the primary membership at one point (eq. 1.3).
 
     Parameters
     ----------
@@ -342,7 +341,7 @@ def figure_of_secondaries(
     x : (N,) array_like
         Points.
     axes : Axes, optional
-        Those of a new figure by default.
+        Axes to draw into; by default, those of a new figure.
 
     Returns
     -------
@@ -352,7 +351,7 @@ def figure_of_secondaries(
     Raises
     ------
     InvalidValue
-        If another number of axes is given.
+        If the number of axes is wrong.
     """
     of_kind("fuzzy_set", fuzzy_set, (IntervalType2Set, GeneralType2Set), "a type-2 set")
     points = np.atleast_1d(reals("x", x))

@@ -1,6 +1,7 @@
 """How the figures of both packages look.
 
-Colors that color-blind readers tell apart, thin grids, light and dark.
+Colors can be told apart by color-blind readers, grids are thin, and there is a light and a dark
+theme.
 
 Matplotlib is imported when a style is first entered, not before.
 """
@@ -12,9 +13,9 @@ from contextlib import contextmanager
 from types import MappingProxyType
 from typing import Any
 
-# Okabe and Ito's colors ("Color Universal Design", 2008) without the yellow, which is lost on
-# white. The order keeps neighbors apart for every kind of color vision, and puts those of least
-# contrast to the background last.
+# Okabe and Ito's colors ("Color Universal Design", 2008) without the yellow, which is hardly
+# visible on white. The order keeps neighbors distinguishable for every kind of color vision, and
+# puts the colors with the least contrast to the background last.
 BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = (
     "#0072B2",
     "#D55E00",
@@ -30,7 +31,7 @@ CYCLES = MappingProxyType(
         "dark": (SKY, ORANGE, GREEN, PURPLE, VERMILLION, "#F0E442"),
     }
 )
-# Background, text, muted text and lines of secondary rank, grid.
+# Background, text, muted text and secondary lines, grid.
 GROUNDS = MappingProxyType(
     {
         "light": ("#FFFFFF", "#1A1A1A", "#6B6B6B", "#DDDDDD"),
@@ -50,7 +51,7 @@ def parameters(theme: str = "light") -> dict[str, Any]:
     Returns
     -------
     dict
-        For ``matplotlib.rc_context``.
+        Settings for ``matplotlib.rc_context``.
 
     Raises
     ------
@@ -100,8 +101,8 @@ def parameters(theme: str = "light") -> dict[str, Any]:
         "savefig.dpi": 150.0,
         "savefig.edgecolor": background,
         "savefig.facecolor": background,
-        # Letters as outlines look alike in every browser; the salt gives the same figure the same
-        # identifiers.
+        # Letters drawn as outlines look the same in every browser. The salt makes the identifiers
+        # in the file reproducible.
         "svg.fonttype": "path",
         "svg.hashsalt": "psp3",
         "text.color": text,
@@ -116,7 +117,7 @@ def parameters(theme: str = "light") -> dict[str, Any]:
 
 @contextmanager
 def style(theme: str = "light") -> Iterator[None]:
-    """Draw and save figures in the style of these packages.
+    """Draw and save figures in the style of both packages.
 
     Parameters
     ----------
@@ -126,15 +127,15 @@ def style(theme: str = "light") -> Iterator[None]:
     Yields
     ------
     None
-        Everything created within, and files saved within, have the style; matplotlib's own settings
-        come back after.
+        Figures created or saved in the ``with`` block have the style. The previous settings of
+        matplotlib are restored afterwards.
 
     Raises
     ------
     ValueError
         If there is no such theme.
     """
-    # matplotlib lists every key it knows in the type of its argument
+    # matplotlib's type of this argument lists every key
     settings: Any = parameters(theme)
     from matplotlib import rc_context
 

@@ -36,9 +36,9 @@ def figure_of_response(
 ) -> Panels:
     """Draw an output of a system over one of its inputs, with the bounds of the type-reduced set.
 
-    Bounds are the ends of the type-reduced interval, and one standard deviation about the mean of a
-    type-reduced Gaussian; those of a type-1 system coincide with its output and are left out. Where
-    no rule fires there is no line.
+    The bounds are the ends of the type-reduced interval, or one standard deviation on both sides of
+    the mean of a type-reduced Gaussian. The bounds of a type-1 system coincide with its output and
+    are left out. Where no rule fires, no line is drawn.
 
     Parameters
     ----------
@@ -49,12 +49,12 @@ def figure_of_response(
     output : int
         Index of the output.
     held : (p,) array_like, optional
-        Values of all inputs, of which the varied one does not matter; by default the middles of
+        Values of all inputs, where that of the varied input is ignored; by default the middles of
         ``system.domain()``.
     domain : pair of float, optional
         Ends of the abscissa; by default those of ``system.domain()``.
     axes : Axes, optional
-        Those of a new figure by default.
+        Axes to draw into; by default, those of a new figure.
 
     Returns
     -------
@@ -64,7 +64,7 @@ def figure_of_response(
     Raises
     ------
     InvalidValue
-        If another number of axes is given, or ``held`` is not one value per input.
+        If the number of axes is wrong, or if ``held`` does not have one value for each input.
     """
     (panel,) = given_panels(axes, 1) or new_panels(6.0, 3.2)
     grid, X = _grid(system, (varied,), held, (domain,), 401)
@@ -100,9 +100,9 @@ def figure_of_rule_surface(
 ) -> Panels:
     """Draw an output of a system over two of its inputs.
 
-    It lies between the bounds of the type-reduced set.
+    The output lies between the bounds of the type-reduced set.
 
-    The bounds are the nets above and below; see :func:`figure_of_response`.
+    The bounds are drawn as nets above and below the output; see :func:`figure_of_response`.
 
     Parameters
     ----------
@@ -113,12 +113,12 @@ def figure_of_rule_surface(
     output : int
         Index of the output.
     held : (p,) array_like, optional
-        Values of all inputs, of which the varied ones do not matter; by default the middles of
-        ``system.domain()``.
+        Values of all inputs, where those of the varied inputs are ignored; by default the middles
+        of ``system.domain()``.
     domains : pair of pairs of float, optional
-        Ends of the floor; by default those of ``system.domain()``.
+        Ends of both axes of the floor; by default those of ``system.domain()``.
     axes : 3D Axes, optional
-        Those of a new figure by default.
+        Axes to draw into; by default, those of a new figure.
 
     Returns
     -------
@@ -128,8 +128,8 @@ def figure_of_rule_surface(
     Raises
     ------
     InvalidValue
-        If another number of axes is given, they are not three-dimensional, or ``held`` is not one
-        value per input.
+        If the number of axes is wrong, if they are not three-dimensional, or if ``held`` does not
+        have one value for each input.
     """
     if len(listed("varied", varied, "two numbers of inputs")) != 2:
         raise InvalidValue("varied", varied, "two numbers of inputs")
@@ -141,7 +141,8 @@ def figure_of_rule_surface(
         "heights", [rcParams["axes.facecolor"], cycle_colors()[0]]
     )
     low, high = float(np.nanmin(crisp)), float(np.nanmax(crisp))
-    # The lowest point is tinted, too, and an output that never changes has some color.
+    # The color range starts below the lowest point, so that it is tinted, too, and a constant
+    # output is visible.
     edges = {"vmin": low - 0.4 * (high - low) - 1e-300, "vmax": high}
     panel.plot_surface(
         first, second, crisp, cmap=shades, **edges, rcount=41, ccount=41, linewidth=0.0, shade=False
@@ -179,9 +180,10 @@ def _grid(
     domains: Sequence[tuple[float, float] | None],
     count: int,
 ) -> tuple[list[Array], Array]:
-    """Return the points of the varied inputs and all inputs on their grid.
+    """Return the points of the varied inputs, and all inputs on their grid.
 
-    Their shapes are (count,) each, and (count, ..., p).
+    The points have the shape (count,) for each varied input, the grid has the shape (count, ...,
+    p).
     """
     of_kind("system", system, FuzzySystem, "a fuzzy system")
     covered = system.domain()

@@ -40,10 +40,10 @@ def figure_of_type_reduced(
     ----------
     reduced : type-reduced set, or mapping from names to them
         An interval (2,), a single :class:`IntervalNumber` or :class:`GaussianNumber`, a
-        :class:`Type1Set`, or what the functions of :mod:`fuzzy2.reduction.general` return. The
-        crisp value is what those say, and otherwise the centroid.
+        :class:`Type1Set`, or a result of the functions in :mod:`fuzzy2.reduction.general`. Those
+        results include their crisp values; for the others it is the centroid.
     axes : Axes, optional
-        Those of a new figure by default.
+        Axes to draw into; by default, those of a new figure.
 
     Returns
     -------
@@ -53,8 +53,8 @@ def figure_of_type_reduced(
     Raises
     ------
     InvalidValue
-        If another number of axes is given, or a type-reduced set is an array of them or has no
-        value.
+        If the number of axes is wrong, or if a type-reduced set is an array of several sets or has
+        no value.
     """
     named: Mapping[Any, Reduced] = reduced if isinstance(reduced, Mapping) else {None: reduced}
     (panel,) = given_panels(axes, 1) or new_panels(6.0, 3.0)
@@ -88,8 +88,8 @@ def _curve(reduced: Reduced) -> tuple[Array, Array, float]:
             raise InvalidValue(
                 "reduced", reduced, "the type-reduced set of a single output that has a value"
             )
-        # Up the left ends and down the right ones, each level from the end of the cut below to its
-        # own.
+        # The outline goes up the left ends and down the right ends, each level starting at the end
+        # of the cut below.
         left, right = (_stairs(end, reduced.alphas) for end in reduced.intervals.T)
         return (
             np.concatenate([left[0], right[0][::-1]]),

@@ -27,12 +27,13 @@ def view(thing: Any, axes: Sequence[Axes] | Axes | None = None) -> Panels:
     Parameters
     ----------
     thing : set, mapping from names to sets, FuzzySystem, AnYaSystem, learner or Explanation
-        A set is its membership function, a system the terms of its inputs and of its outputs that
-        are sets, a panel each, a system of clouds their data and densities, a learner its system,
-        and an explanation (``system.explain(x)``) the inference, see
+        A set is drawn as its membership function. A system is drawn as the terms of its inputs and
+        of those outputs whose consequents are sets, with one panel for each variable. An AnYa
+        system is drawn as the data and densities of its clouds, and a learner as its system. An
+        explanation (``system.explain(x)``) is drawn as the inference, see
         :func:`fuzzy2.plots.figure_of_inference`.
     axes : Axes or sequence of them, optional
-        Those of a new figure by default.
+        Axes to draw into; by default, those of a new figure.
 
     Returns
     -------
@@ -42,8 +43,8 @@ def view(thing: Any, axes: Sequence[Axes] | Axes | None = None) -> Panels:
     Raises
     ------
     InvalidValue
-        If it is nothing that has a picture, a learner that is not fitted, or another number of axes
-        is given.
+        If the thing cannot be drawn or is a learner that is not fitted, or if the number of axes is
+        wrong.
     """
     if isinstance(thing, Explanation):
         return figure_of_inference(thing, axes=axes)
@@ -83,7 +84,7 @@ def _clouds(system: AnYaSystem, axes: Sequence[Axes] | Axes | None) -> Panels:
     count = len(system.clouds)
     panels = given_panels(axes, count) or new_panels(6.0, 2.2 * count, count)
     for panel, name, cloud in zip(panels, system.input_names, system.clouds, strict=True):
-        # Distances are set against 1, whatever the range of the data.
+        # Distances are drawn on a scale of 1, whatever the range of the data.
         points = np.linspace(cloud.min() - 1.0, cloud.max() + 1.0, 401)
         densities = 1.0 / (1.0 + np.abs(points[:, np.newaxis] - cloud).mean(axis=1))
         panel.plot(points, densities)
@@ -94,7 +95,7 @@ def _clouds(system: AnYaSystem, axes: Sequence[Axes] | Axes | None) -> Panels:
 
 
 def _said(system: FuzzySystem, j: int) -> dict[str, Any]:
-    """Return the different sets that rules say of an output, by their names or rules."""
+    """Return the different consequent sets of an output, by names of terms or rules."""
     assert system.consequent_sets is not None
     found: dict[str, Any] = {}
     for r, row in enumerate(system.consequent_sets):

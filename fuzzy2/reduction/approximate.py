@@ -1,26 +1,27 @@
 r"""Approximate type reduction.
 
-The generalized centroid of fuzzy numbers, to first order in the uncertainty of the weights.
+It computes the generalized centroid of fuzzy numbers to first order in the uncertainty of the
+weights.
 
-Theorem 1.6 replaces the quotient by an affine combination, which fuzzy numbers of one kind are
-closed under,
+Theorem 1.6 replaces the quotient with an affine combination, under which fuzzy numbers of one kind
+are closed:
 
 .. math:: Y \approx \sum_l \left[(Z_l - c_l) \frac{h_l}{\sum_i h_i}
           + (W_l - h_l) \frac{c_l - \xi}{\sum_i h_i}\right] + \xi,
     \qquad \xi = \frac{\sum_l h_l c_l}{\sum_l h_l}
 
-(eq. 1.85-1.87; the thesis prints :math:`\xi` divided by :math:`h_l`). What is left out is of the
-order of the validity measure
+(eq. 1.85-1.87; the thesis prints :math:`\xi` divided by :math:`h_l`). The neglected terms are of
+the order of the validity measure
 
 .. math:: \frac{\sum_l \Delta_l}{\sum_l h_l} \ll 1
 
-(eq. 1.88), which every result carries. It is exact where all weights are crisp (eq. 1.102), however
-wide the :math:`Z_l` are. In practice the measure is seldom small: sets whose footprints are half as
-high as they are have a measure of 1/3.
+(eq. 1.88), which every result includes. The result is exact if all weights are crisp (eq. 1.102),
+however wide the :math:`Z_l` are. In practice the measure is rarely small: it is 1/3 for sets whose
+footprints are half as high as the sets.
 
-The center of the result is the output of the type-1 system in the middle, whatever the uncertainty:
-to defuzzify it is to throw the uncertainty away. The exact reducers in
-:mod:`fuzzy2.reduction.interval` and :mod:`fuzzy2.reduction.general` do not do that.
+The center of the result is the output of the type-1 system in the middle of the footprints,
+whatever the uncertainty. So defuzzifying the result discards the uncertainty. The exact reducers in
+:mod:`fuzzy2.reduction.interval` and :mod:`fuzzy2.reduction.general` do not have this defect.
 """
 
 from __future__ import annotations
@@ -39,12 +40,11 @@ from fuzzy2.sets.type1 import Type1Set
 from fuzzy2.support.checks import Array, known_name, reals
 
 STANDARD_DEVIATIONS = 2.0
-"""Half-width :math:`k` of a Gaussian weight, in standard deviations, in its validity measure
-(eq. 1.109, 1.114).
-"""
+"""Half-width :math:`k` of a Gaussian weight in the validity measure, in standard deviations (eq.
+1.109, 1.114)."""
 
 VALIDITY_LIMIT = 0.1
-"""Validity measure above which a system that uses the approximation warns when it is made."""
+"""Validity measure above which a system that uses the approximation warns at construction."""
 
 Number = TypeVar("Number", IntervalNumber, GaussianNumber, FuzzyNumber)
 AnyNumber: TypeAlias = IntervalNumber | GaussianNumber | FuzzyNumber
@@ -52,15 +52,16 @@ Operand: TypeAlias = IntervalNumber | GaussianNumber | FuzzyNumber | Sequence[Ty
 
 
 class ApproximateReduction(NamedTuple, Generic[Number]):
-    """Approximate type-reduced set and how far to trust it.
+    """Approximate type-reduced set, with a measure of its validity.
 
     Attributes
     ----------
     value : IntervalNumber, GaussianNumber or FuzzyNumber
         The type-reduced set, of shape (...,).
     validity : (...,) array
-        Uncertainty of the weights relative to the weights (eq. 1.88, 1.104, 1.109, 1.114): 0 where
-        the result is exact; what was left out is small where this is small against 1.
+        Uncertainty of the weights relative to the weights (eq. 1.88, 1.104, 1.109, 1.114). It is 0
+        where the result is exact, and the neglected terms are small where it is much smaller than
+        1.
     """
 
     value: Number
@@ -96,7 +97,7 @@ def approximate_generalized_centroid(
 ):
     r"""Return the generalized centroid of fuzzy points with fuzzy weights (eq. 1.85).
 
-    To first order in the width of the weights.
+    The result is correct to first order in the widths of the weights.
 
     Intervals :math:`[c_l \pm s_l]` with weights :math:`[h_l \pm \Delta_l]` have the center
     :math:`\xi` and the spread (eq. 1.103)
@@ -126,10 +127,10 @@ def approximate_generalized_centroid(
         center of sets.
     W : (..., N) fuzzy numbers, (..., N) array_like or N convex type-1 sets
         Weights: memberships or firing strengths, of the same kind as ``Z`` unless one of them is
-        crisp. Numbers of different kinds are combined by their α-cuts.
+        crisp. Numbers of different kinds are combined with their α-cuts.
     t_norm : {"product", "min"}, optional
-        How Gaussian memberships are combined; without it as the numbers themselves say. It makes no
-        difference to intervals; other fuzzy numbers have the minimum only.
+        How Gaussian memberships are combined; by default, with the t-norm of the numbers. Intervals
+        do not depend on it, and other fuzzy numbers only support the minimum.
 
     Returns
     -------
@@ -143,10 +144,10 @@ def approximate_generalized_centroid(
     ------
     InvalidValue
         If the numbers of points and weights differ, a number is not finite or a weight has a
-        negative center, or if all weights are zero and the numbers are held by α-cuts.
+        negative center, or if all weights are zero and the numbers are held as α-cuts.
     NotApplicable
-        If the t-norms of Gaussian numbers differ and none is given, or α-cuts are needed under the
-        product.
+        If the t-norms of Gaussian numbers differ and none is given, or if the product is requested
+        for numbers that are held as α-cuts.
     UnknownName
         If there is no such t-norm.
 
@@ -174,7 +175,7 @@ def approximate_centroid(
 ):
     r"""Return the centroid of a type-2 set on sampled points.
 
-    To first order in the width of its memberships, under the minimum.
+    The result is correct to first order in the widths of the memberships, under the minimum.
 
     Intervals follow eq. 1.106, :math:`\kappa = \sum_l |x_l - \xi| \Delta_l / \sum_l h_l`, and
     Gaussians eq. 1.112-1.113,
@@ -182,9 +183,9 @@ def approximate_centroid(
     .. math:: \varsigma = \frac{\sum_l x_l\, m(x_l)}{\sum_l m(x_l)}, \qquad
         \Sigma = \frac{\sum_l |x_l - \varsigma|\, \sigma(x_l)}{\sum_l m(x_l)}
 
-    (the thesis prints :math:`\Delta_l` for :math:`\sigma(x_l)`). The minimum combines the secondary
-    grades whatever the numbers say: under the product the centroid depends on how many points there
-    are, and shrinks to a crisp number as they become more.
+    (the thesis prints :math:`\Delta_l` for :math:`\sigma(x_l)`). Secondary grades are always
+    combined by the minimum, even if the numbers have another t-norm: under the product the centroid
+    would depend on the number of points and shrink to a crisp number as that number grows.
 
     Parameters
     ----------
@@ -207,7 +208,7 @@ def approximate_centroid(
 
 
 class _Crisp(NamedTuple):
-    """Crisp numbers among the operands: of whichever kind the others are."""
+    """Crisp numbers among the operands, which take the kind of the other operand."""
 
     location: Array
 
@@ -217,7 +218,7 @@ _GAUSSIAN_KINDS = (GaussianNumber, _Crisp)
 
 
 def _number(value: Operand, name: str) -> AnyNumber | _Crisp:
-    """Return an operand as an array of fuzzy numbers, at least one along the last axis."""
+    """Return an operand as an array of fuzzy numbers with at least one along the last axis."""
     number: AnyNumber | _Crisp
     if isinstance(value, IntervalNumber | GaussianNumber | FuzzyNumber):
         number, shape = value, value.shape
@@ -230,7 +231,7 @@ def _number(value: Operand, name: str) -> AnyNumber | _Crisp:
         )
         shape = number.shape
     else:
-        # it refuses what is not an array
+        # it refuses anything that is not an array
         number = _Crisp(reals(name, value))  # type: ignore[arg-type]
         shape = number.location.shape
     if not shape or shape[-1] == 0:
@@ -267,7 +268,7 @@ def _common_norm(points: GaussianNumber | _Crisp, weights: GaussianNumber | _Cri
 def _average(c: Array, h: Array) -> tuple[Array, Array, Array]:
     """Return the sum of the weights (..., 1), their shares (..., N) and the average (..., 1).
 
-    The sum is NaN for 0; the average is that of the points.
+    The sum is NaN instead of 0. The average is the weighted average of the points.
     """
     if c.shape[-1] != h.shape[-1]:
         raise InvalidValue(
@@ -280,7 +281,7 @@ def _average(c: Array, h: Array) -> tuple[Array, Array, Array]:
     total = h.sum(axis=-1, keepdims=True)
     total = np.where(total > 0.0, total, np.nan)
     share = h / total
-    # About the first point, so that points far from zero keep their digits.
+    # Moments are taken about the first point, so that points far from zero keep their digits.
     origin = c[..., :1]
     return total, share, origin + ((c - origin) * share).sum(axis=-1, keepdims=True)
 
@@ -302,7 +303,7 @@ def _of_gaussians(
     (m, sigma), (h, delta) = points, weights
     total, share, mean = _average(m, h)
     from_points, from_weights = share * sigma, np.abs(m - mean) * (delta / total)
-    # No squares under the product: those of tiny widths underflow.
+    # No squares are taken under the product, because those of tiny widths underflow.
     combined = np.add if norm == "min" else np.hypot
     width = combined.reduce(combined(from_points, from_weights), axis=-1)
     return ApproximateReduction(
@@ -342,5 +343,5 @@ def _cuts(number: AnyNumber | _Crisp, norm: NumberTNorm | None) -> FuzzyNumber:
 
 
 def _validity(half_width: Array, total: Array, shape: tuple[int, ...]) -> Array:
-    # Broadcast before the sum: the half-widths of crisp weights are a single zero.
+    # Broadcast before the sum, because the half-widths of crisp weights are a single zero.
     return np.asarray(np.broadcast_to((half_width / total).sum(axis=-1), shape)).copy()

@@ -1,12 +1,12 @@
-r"""Defuzzifiers: one crisp number for a type-1 set.
+r"""Defuzzifiers, which return one crisp number for a type-1 set.
 
 The set is given by its membership function or by samples of it.
 
-A caution of the thesis (section on defuzzification). A type-reduced set of a general type-2 system
-often has a single point of membership 1, and it is tempting to take that point, which is what the
-height defuzzifier and the maxima do. But membership 1 means that all secondary grades along the way
-are 1: the point is the output of the type-1 system of the principal membership functions, whatever
-the uncertainty, and all the work of the type-2 system is thrown away. Take the centroid.
+The thesis warns of one mistake (section on defuzzification). A type-reduced set of a general type-2
+system often has a single point of membership 1, and the height defuzzifier and the maxima return
+that point. But membership 1 means that all secondary grades involved are 1. So the point is the
+output of the type-1 system with the principal membership functions, whatever the uncertainty, and
+all the work of the type-2 system is lost. Use the centroid.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ def defuzzify(fuzzy_set: Type1Set, method: str = "centroid") -> float:
     Parameters
     ----------
     fuzzy_set : Type1Set
-        The set. A :class:`SampledSet` is interpolated; for one that is meant as a discrete set,
-        such as a type-reduced set of many embedded ones, use :func:`defuzzify_samples`.
+        The set. A :class:`SampledSet` is interpolated. For a discrete set, such as a type-reduced
+        set computed from embedded sets, use :func:`defuzzify_samples`.
     method : str
         The defuzzifier: ``"centroid"``, ``"bisector"``, ``"height"``, ``"smallest_of_maxima"``,
-        ``"mean_of_maxima"`` or ``"largest_of_maxima"``. Of a single set, height is the mean of
-        maxima.
+        ``"mean_of_maxima"`` or ``"largest_of_maxima"``. For a single set, the height defuzzifier
+        returns the mean of maxima.
 
     Returns
     -------
@@ -47,7 +47,7 @@ def defuzzify(fuzzy_set: Type1Set, method: str = "centroid") -> float:
     Raises
     ------
     UnknownName
-        If there is no such method; it lists those there are.
+        If there is no such method; the message lists the known ones.
     NotApplicable
         If the set is unbounded and has no finite centroid or area, or never reaches its maximum.
     """
@@ -68,8 +68,8 @@ def defuzzify_samples(points: ArrayLike, grades: ArrayLike, method: str = "centr
         Grades, not negative.
     method : str
         ``"centroid"``, ``"bisector"``, ``"height"``, ``"smallest_of_maxima"``, ``"mean_of_maxima"``
-        or ``"largest_of_maxima"``. The defuzzifier. The bisector is the median of the points,
-        weighted with their grades; where two points are equally good it is midway between them.
+        or ``"largest_of_maxima"``. The bisector is the median of the points, weighted with their
+        grades. Midway between two points is returned where both halve the weights.
 
     Returns
     -------
@@ -79,9 +79,10 @@ def defuzzify_samples(points: ArrayLike, grades: ArrayLike, method: str = "centr
     Raises
     ------
     UnknownName
-        If there is no such method; it lists those there are.
+        If there is no such method; the message lists the known ones.
     InvalidValue
-        If the points are not finite and ascending, or a grade is negative, or their numbers differ.
+        If the points are not finite and ascending, if a grade is negative, or if there are not as
+        many grades as points.
     """
     rule = _named(method, _OF_SAMPLES)
     x, u = reals("points", points), reals("grades", grades)
@@ -93,9 +94,9 @@ def defuzzify_samples(points: ArrayLike, grades: ArrayLike, method: str = "centr
         )
     if u.shape[-1:] != x.shape or (u < 0.0).any() or np.isinf(u).any():
         raise InvalidValue("grades", grades, f"finite and not negative, of shape (..., {x.size})")
-    height = u.max(axis=-1, keepdims=True)  # NaN where one is
+    height = u.max(axis=-1, keepdims=True)  # NaN for rows that contain NaN
     with np.errstate(invalid="ignore"):
-        # sums of tiny grades must not lose their digits
+        # scaled, so that sums of tiny grades keep their digits
         relative = u / np.where(height > 0.0, height, np.nan)
     return np.asarray(np.where(np.isnan(relative).any(axis=-1), np.nan, rule(x, relative)))[()]
 
@@ -118,13 +119,13 @@ def bisector(fuzzy_set: Type1Set) -> float:
     Returns
     -------
     float
-        The point; the middle of an interval without membership where every point of it halves the
-        area.
+        The point. If every point of an interval without membership halves the area, it is the
+        middle of the interval.
 
     Raises
     ------
     NotApplicable
-        If the area is infinite, or zero though the set is more than a point.
+        If the area is infinite, or zero for a set that is not a single point.
     """
     points = fuzzy_set.quadrature_points(power=0)
     first, last = float(points[0]), float(points[-1])
@@ -136,8 +137,8 @@ def bisector(fuzzy_set: Type1Set) -> float:
         raise NotApplicable(
             "bisector", f"the membership of {fuzzy_set!r} is zero almost everywhere"
         )
-    # Coming from both ends leaves a gap in the middle undecided; its middle is the answer that a
-    # mirrored set would get, mirrored.
+    # Two searches find both ends of a gap without membership. Its middle gives mirrored sets
+    # mirrored answers.
     slack = 4.0 * np.finfo(float).eps * area
     return 0.5 * (
         moments.point_of_area(0.5 * area - slack) + moments.point_of_area(0.5 * area + slack)
@@ -152,14 +153,14 @@ def height(fuzzy_sets: Type1Set | Sequence[Type1Set]) -> float:
     Parameters
     ----------
     fuzzy_sets : Type1Set or sequence of M Type1Set
-        Output sets :math:`B^l`, each replaced by a singleton at the mean of its maxima
-        :math:`\bar y^l`, with its height.
+        Output sets :math:`B^l`. Each is replaced with a singleton of the same height at the mean of
+        its maxima :math:`\bar y^l`.
 
     Returns
     -------
     float
-        The crisp number; NaN if the height of all sets is 0. Read the caution at the top of this
-        module.
+        The crisp number; NaN if the height of all sets is 0. See the warning in the docstring of
+        :mod:`fuzzy2.reduction.defuzzification`.
 
     Raises
     ------
@@ -205,7 +206,7 @@ def mean_of_maxima(fuzzy_set: Type1Set) -> float:
     Returns
     -------
     float
-        The mean: over plateaus if there are any, over single points otherwise.
+        The mean over all plateaus, or over single points if there are no plateaus.
 
     Raises
     ------
@@ -248,7 +249,7 @@ def _named(method: str, rules: MappingProxyType[str, Rule]) -> Rule:
 
 
 def _centroids(x: Array, u: Array) -> Array:
-    # About the middle point, so that a set far from 0 does not lose digits.
+    # Moments are taken about the middle point, so that a set far from 0 keeps its digits.
     origin = x[x.size // 2]
     return np.asarray(origin + (u @ (x - origin)) / u.sum(axis=-1))
 
@@ -256,8 +257,8 @@ def _centroids(x: Array, u: Array) -> Array:
 def _bisectors(x: Array, u: Array) -> Array:
     total = np.cumsum(u, axis=-1)
     share = total / total[..., -1:]
-    # First point that has half of the weight behind it, and first that has more than half: a gap
-    # between them is halved.
+    # The first point with half of the weight up to it, and the first with more than half. If they
+    # differ, the result is midway between them.
     low, high = (np.argmax(share >= 0.5 + offset, axis=-1) for offset in (-ROUNDING, ROUNDING))
     return np.asarray(0.5 * (x[low] + x[high]))
 

@@ -1,4 +1,4 @@
-r"""Type reduction of general type-2 sets and systems: by alpha-planes, and by all embedded sets.
+r"""Type reduction of general type-2 sets and systems, by α-planes and by enumerating embedded sets.
 
 The generalized centroid (eq. 1.84, 1.115) of fuzzy points :math:`Z_l` with fuzzy weights
 :math:`W_l`,
@@ -9,13 +9,13 @@ The generalized centroid (eq. 1.84, 1.115) of fuzzy points :math:`Z_l` with fuzz
     \mathop{\mathcal T}_l \mu_{Z_l}(z_l) * \mathop{\mathcal T}_l \mu_{W_l}(w_l)
     \Big/ \frac{\sum_l w_l z_l}{\sum_l w_l},
 
-is reduced in two ways. Under the minimum, the α-cut of :math:`Y` is the interval reduction of the
-α-cuts of its arguments, if those are intervals: one exact reduction for each alpha. Of discrete
-sets, any combination of points is an embedded set, and their :math:`\prod_l M_l` averages with
-their grades are all there is to :math:`Y`; this is the oracle for small cases.
+is reduced in two ways. Under the minimum, the α-cut of :math:`Y` is the interval type reduction of
+the α-cuts of its arguments, if those are intervals; this takes one exact reduction for each alpha.
+For discrete sets, every combination of points is an embedded set, and the :math:`\prod_l M_l`
+averages with their grades make up :math:`Y`. The enumeration is the reference for small cases.
 
-Grades of continuous secondary sets are not multiplied: the more points stand for the domain, the
-narrower the result would be, and with sampled secondaries it depends on the samples.
+Grades of continuous secondary sets are not multiplied, because the result would become narrower
+with every point of the domain, and would depend on the sampling of the secondary sets.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from fuzzy2.support.checks import Array, listed, of_kind, real, reals, whole_num
 from fuzzy2.support.quadrature import merged
 
 MOST_EMBEDDED_SETS = 1_000_000
-"""Embedded sets that are enumerated at most: some seconds."""
+"""Greatest number of embedded sets that are enumerated, which takes some seconds."""
 
 
 class TypeReducedPlanes(NamedTuple):
@@ -51,10 +51,10 @@ class TypeReducedPlanes(NamedTuple):
     alphas : (L,) array
         Levels in (0, 1], ascending.
     intervals : (..., L, 2) array
-        α-cuts of the type-reduced set; NaN where nothing has weight.
+        α-cuts of the type-reduced set; NaN where all weights are 0.
     crisp : (...,) array
-        Average of their middles, weighted by the levels,
-        :math:`\sum_i \alpha_i\, (y_{l,i} + y_{r,i})/2 \,/ \sum_i \alpha_i`.
+        Average of the middles of the cuts, weighted with the levels, :math:`\sum_i \alpha_i\,
+        (y_{l,i} + y_{r,i})/2 \,/ \sum_i \alpha_i`.
     """
 
     alphas: Array
@@ -68,7 +68,7 @@ class TypeReducedPoints(NamedTuple):
     Attributes
     ----------
     set : SampledSet
-        Averages of all embedded sets with their grades; a discrete set.
+        Discrete set of the averages of all embedded sets, with their grades.
     crisp : float
         Its centroid :math:`\sum_i y_i \mu_i / \sum_i \mu_i` (eq. 1.69).
     """
@@ -80,9 +80,9 @@ class TypeReducedPoints(NamedTuple):
 def alpha_plane_reduction(
     alphas: ArrayLike, z: ArrayLike, w: ArrayLike, method: str = "eiasc"
 ) -> TypeReducedPlanes:
-    r"""Return the generalized centroid of points with weights that are given by their α-cuts.
+    r"""Return the generalized centroid of points and weights that are given as α-cuts.
 
-    It is exact at each level.
+    The result is exact at each level.
 
     .. math:: Y_\alpha = \left[\min_{z_l \in (Z_l)_\alpha,\, w_l \in (W_l)_\alpha}
               \frac{\sum_l w_l z_l}{\sum_l w_l},\
@@ -107,8 +107,8 @@ def alpha_plane_reduction(
     Raises
     ------
     InvalidValue
-        If the levels do not ascend in (0, 1], shapes do not go together, or intervals of a higher
-        level reach out of those of a lower.
+        If the levels do not ascend in (0, 1], if shapes do not match, or if an interval of a higher
+        level is not within the one of the level below.
     UnknownName
         If there is no such method.
 
@@ -142,16 +142,16 @@ def alpha_plane_centroid(
 ) -> TypeReducedPlanes:
     """Return the centroid of a general type-2 set on sampled points (eq. 1.70).
 
-    Under the minimum, exact at each level.
+    The result holds under the minimum and is exact at each level.
 
     Parameters
     ----------
     fuzzy_set : GeneralType2Set
-        With convex secondary sets.
+        The set, with convex secondary sets.
     x : (N,) array_like
         Points of the domain.
     alphas : (L,) array_like
-        Levels in (0, 1], ascending. Equally spaced ones from 1/L to 1 make the zSlices of Wagner
+        Levels in (0, 1], ascending. Equally spaced levels from 1/L to 1 are the zSlices of Wagner
         and Hagras.
     method : str
         See :func:`fuzzy2.reduction.interval.generalized_centroid`.
@@ -178,7 +178,7 @@ def alpha_plane_centroid(
 
 
 def alpha_plane_defuzzify(alphas: ArrayLike, intervals: ArrayLike) -> Array:
-    r"""Return the crisp value of a type-reduced set that is given by its α-cuts.
+    r"""Return the crisp value of a type-reduced set that is given as α-cuts.
 
     .. math:: y = \frac{\sum_i \alpha_i\, (y_{l,i} + y_{r,i}) / 2}{\sum_i \alpha_i}
 
@@ -192,12 +192,12 @@ def alpha_plane_defuzzify(alphas: ArrayLike, intervals: ArrayLike) -> Array:
     Returns
     -------
     (...,) array
-        Crisp values; NaN where a cut is.
+        Crisp values; NaN where a cut is NaN.
 
     Raises
     ------
     InvalidValue
-        If the levels do not ascend in (0, 1], or their number is not that of the cuts.
+        If the levels do not ascend in (0, 1], or if there are not as many cuts as levels.
 
     Notes
     -----
@@ -209,17 +209,16 @@ def alpha_plane_defuzzify(alphas: ArrayLike, intervals: ArrayLike) -> Array:
 
 
 def cut_centroid(alphas: ArrayLike, intervals: ArrayLike) -> Array:
-    r"""Return the centroid (eq. 1.68) of a type-1 set that is given by its α-cuts.
+    r"""Return the centroid (eq. 1.68) of a type-1 set that is given as α-cuts.
 
     .. math:: c = \frac{\int x\,\mu(x)\,dx}{\int \mu(x)\,dx}
               = \frac{\int_0^h \tfrac12 (y_l + y_r)(y_r - y_l)\,d\alpha}
                      {\int_0^h (y_r - y_l)\,d\alpha}
 
-    Each point counts once for every level that it reaches, so wide cuts count more; in
-    ``alpha_plane_defuzzify`` cuts count by their level, however wide. Between two levels the
-    ends of the cuts :math:`y_l, y_r` are linear, for which the integrals are exact, as in
-    :class:`fuzzy2.numbers.FuzzyNumber`. Below the lowest level, where nothing is known, they are
-    those of the lowest, and h is the highest.
+    Here wide cuts have more weight, whereas ``alpha_plane_defuzzify`` weights cuts with their
+    levels only, however wide they are. The ends of the cuts :math:`y_l, y_r` are linear between two
+    levels, as in :class:`fuzzy2.numbers.FuzzyNumber`, and the integrals are exact for such ends.
+    Below the lowest level the ends of the lowest cut are used; h is the highest level.
 
     Parameters
     ----------
@@ -231,16 +230,18 @@ def cut_centroid(alphas: ArrayLike, intervals: ArrayLike) -> Array:
     Returns
     -------
     (...,) array
-        Centroids; of a set without width the middle of its lowest cut, NaN where a cut is.
+        Centroids. For a set without width it is the middle of the lowest cut; NaN where a cut is
+        NaN.
 
     Raises
     ------
     InvalidValue
-        If the levels do not ascend in (0, 1], or their number is not that of the cuts.
+        If the levels do not ascend in (0, 1], or if there are not as many cuts as levels.
     """
     levels, cuts = _leveled(alphas, intervals)
     middles, widths = cuts.mean(axis=-1), cuts[..., 1] - cuts[..., 0]
-    # About the middle of the lowest cut, so that a set far from 0 keeps its digits.
+    # Moments are taken about the middle of the lowest cut, so that a set far from 0 keeps its
+    # digits.
     origin = middles[..., 0]
     c, w, steps = middles - origin[..., None], widths, np.diff(levels)
     area = levels[0] * w[..., 0] + 0.5 * (w[..., 1:] + w[..., :-1]) @ steps
@@ -248,7 +249,7 @@ def cut_centroid(alphas: ArrayLike, intervals: ArrayLike) -> Array:
         c[..., :-1] * (2.0 * w[..., :-1] + w[..., 1:])
         + c[..., 1:] * (w[..., :-1] + 2.0 * w[..., 1:])
     ) @ (steps / 6.0)
-    # NaN is not a set without width.
+    # A set with NaN must not be treated as a set without width.
     point = area == 0.0
     return np.asarray(origin + np.where(point, 0.0, moment / np.where(point, 1.0, area)))
 
@@ -264,40 +265,40 @@ def exhaustive_generalized_centroid(
 
     See eq. 1.70, 1.76, 1.80 and 1.84.
 
-    Combinations of which no weight is positive have no average and are left out. Averages within
-    1e-12 of each other are one, of the greatest of their grades.
+    Combinations without a positive weight have no average and are left out. Averages within 1e-12
+    of each other are merged and keep the greatest of their grades.
 
     Parameters
     ----------
     Z : N numbers or type-1 sets
-        Points; crisp for the centroid and the height reducer, centroids of the consequents for
+        Points: crisp for the centroid and the height reducer, centroids of the consequents for
         center of sets.
     W : N type-1 sets or numbers
         Weights, not negative: secondary sets, or firing sets.
     t_norm : str, TNorm or callable
-        How grades are combined. For continuous sets only the minimum, except for intervals, whose
+        How grades are combined. Continuous sets require the minimum, except for intervals, whose
         grades are all 1.
     samples : int, optional
-        Number of points that stand for each continuous set: even over its support, in which it is
-        :math:`W \ge 0`, and its maxima. The type-reduced set is then one of samples, too, and its
-        grades are lower bounds.
+        Number of points that replace each continuous set. They are spaced evenly over its support,
+        limited to :math:`W \ge 0` for weights, and its maxima are added. The type-reduced set is
+        then sampled, too, and its grades are lower bounds.
     limit : int
-        Embedded sets that are enumerated at most.
+        Greatest number of embedded sets that are enumerated.
 
     Returns
     -------
     TypeReducedPoints
-        The type-reduced set, discrete, and its crisp value.
+        The type-reduced set as a discrete set, and its crisp value.
 
     Raises
     ------
     NotApplicable
-        If a set is continuous and ``samples`` is not given or the t-norm is not the minimum; or if
-        no combination has an average.
+        If a set is continuous and either ``samples`` is missing or the t-norm is not the minimum,
+        or if no combination has an average.
     InvalidValue
-        If the numbers of points and weights differ, or a weight is negative.
+        If there are not as many weights as points, or if a weight is negative.
     TooManyEmbeddedSets
-        If there are more of them than the limit.
+        If there are more embedded sets than ``limit``.
     """
     norm = norm_of(t_norm)
     if samples is not None:
@@ -313,7 +314,7 @@ def exhaustive_generalized_centroid(
     count = math.prod(values.size for values, _ in (*points, *weights))
     if count > most:
         raise TooManyEmbeddedSets(count, most)
-    # About one of the points, so that points far from zero keep their digits.
+    # Averages are taken about one of the points, so that points far from zero keep their digits.
     origin = float(points[0][0][0])
     moment, mass, grade = np.zeros(1), np.zeros(1), np.ones(1)
     for (z, z_grades), (w, w_grades) in zip(points, weights, strict=True):
@@ -345,25 +346,25 @@ def exhaustive_centroid(
     Parameters
     ----------
     fuzzy_set : SampledType2Set
-        A set on finitely many points with discrete slices. ``sample`` makes one of any general
-        type-2 set, but under another t-norm than the minimum its centroid depends on the samples,
-        and shrinks to a point as they become more.
+        A set on finitely many points with discrete slices. ``sample`` makes one from any general
+        type-2 set, but under a t-norm other than the minimum its centroid depends on the samples
+        and shrinks to a point as their number grows.
     t_norm : str, TNorm or callable
         How secondary grades are combined.
     limit : int
-        Embedded sets that are enumerated at most.
+        Greatest number of embedded sets that are enumerated.
 
     Returns
     -------
     TypeReducedPoints
-        The centroid, a discrete set, and its crisp value.
+        The centroid as a discrete set, and its crisp value.
 
     Raises
     ------
     NotApplicable
         If a slice is continuous.
     TooManyEmbeddedSets
-        If there are more of them than the limit.
+        If there are more embedded sets than ``limit``.
     """
     of_kind("fuzzy_set", fuzzy_set, SampledType2Set, "a SampledType2Set, such as of sample()")
     return exhaustive_generalized_centroid(fuzzy_set.points, fuzzy_set.slices, t_norm, limit=limit)
@@ -382,7 +383,7 @@ def _levels(alphas: ArrayLike) -> Array:
 
 
 def _leveled(alphas: ArrayLike, intervals: ArrayLike) -> tuple[Array, Array]:
-    """Return levels and cuts, one for each level."""
+    """Return the levels and the cuts, one for each level."""
     levels, cuts = _levels(alphas), reals("intervals", intervals)
     if cuts.ndim < 2 or cuts.shape[-2:] != (levels.size, 2):
         raise InvalidValue(
@@ -392,9 +393,9 @@ def _leveled(alphas: ArrayLike, intervals: ArrayLike) -> tuple[Array, Array]:
 
 
 def _require_nested(name: str, layers: Array) -> None:
-    """Raise unless the intervals of each layer (..., L, N, 2) lie within those before.
+    """Raise unless the intervals (..., L, N, 2) of each level lie within those of the level below.
 
-    Those of the layer before it, up to rounding.
+    Rounding errors are tolerated.
     """
     rounding = ROUNDING * np.max(np.abs(layers), initial=0.0)
     inward = np.diff(layers, axis=-3)
@@ -407,7 +408,7 @@ def _require_nested(name: str, layers: Array) -> None:
 def _discretized(
     name: str, item: Type1Set | float, norm: TNorm, samples: int | None, least: float
 ) -> tuple[Array, Array]:
-    """Return points and grades of a number, a discrete set, or a continuous set that is sampled."""
+    """Return points and grades of a number, a discrete set, or a sampled continuous set."""
     if not isinstance(item, Type1Set):
         points, grades = np.array([real(name, item)]), np.ones(1)
     elif is_discrete(item):

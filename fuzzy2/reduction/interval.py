@@ -1,21 +1,22 @@
 r"""Exact type reduction of interval type-2 sets and systems.
 
-The generalized centroid (eq. 1.84, 1.115, 1.116).
+It computes the generalized centroid (eq. 1.84, 1.115, 1.116).
 
 .. math::
 
     y_l = \min_{z_i \in Z_i,\, w_i \in W_i} \frac{\sum_i w_i z_i}{\sum_i w_i}, \qquad
     y_r = \max_{z_i \in Z_i,\, w_i \in W_i} \frac{\sum_i w_i z_i}{\sum_i w_i}
 
-Centroid, height and center of sets are cases of it. The left end takes the left ends of all
-:math:`Z_i`, sorted; up to a switch point k the weights are the upper ends of :math:`W_i`, after it
-the lower ends (the other way round for the right end). All methods here find the switch point
-exactly and differ in the way to it only; they stop when the switch point stays, never on a
-tolerance. Points of equal weight zero are left out first, equal points need no care, and each end
-sorts by its own ends of the intervals. (The thesis's procedure after eq. 1.116 lacks the sorting,
-the minimum, and ``w = h`` in its first step, and stops on equal floats.)
+Centroid, height and center of sets are special cases. The left end uses the left ends of all
+:math:`Z_i` in ascending order. Up to a switch point k the weights are the upper ends of
+:math:`W_i`, and after it the lower ends. For the right end the roles are exchanged. All methods
+find the switch point exactly and differ only in their search; they stop when the switch point no
+longer changes, never at a tolerance. Points whose upper weight is zero are left out first, equal
+points need no special treatment, and each end of the result sorts the corresponding ends of the
+:math:`Z_i`. (The thesis's procedure after eq. 1.116 lacks the sorting, the minimum, and ``w = h``
+in its first step, and stops on equal floats.)
 
-Where no weight can be positive there is no output: both ends are NaN.
+If no weight can be positive, there is no output and both ends are NaN.
 """
 
 from __future__ import annotations
@@ -37,8 +38,8 @@ METHODS = ("km", "ekm", "iasc", "eiasc", "scan")
 class WuMendelBounds(NamedTuple):
     """Inner and outer bounds of both ends of a type-reduced set, each of shape (...,).
 
-    The left end is between ``left_lower`` and ``left_upper``, the right one between ``right_lower``
-    and ``right_upper``.
+    The left end lies between ``left_lower`` and ``left_upper``, the right end between
+    ``right_lower`` and ``right_upper``.
     """
 
     left_lower: Array
@@ -67,9 +68,9 @@ def _weights(w: ArrayLike) -> Array:
 
 
 def _points(z: ArrayLike, count: int) -> Array:
-    """Return points (…, N) or intervals (…, N, 2) as intervals."""
+    """Return points (..., N) or intervals (..., N, 2) as intervals."""
     points = reals("z", z)
-    # A trailing axis of 2 means intervals, unless there are just two crisp points in a single row.
+    # A trailing axis of 2 means intervals, except for a single row of two crisp points.
     is_interval = points.ndim >= 2 and points.shape[-2:] == (count, 2)
     if not is_interval:
         if points.ndim < 1 or points.shape[-1] != count:
@@ -85,7 +86,7 @@ def _points(z: ArrayLike, count: int) -> Array:
 
 
 def _paired(z: ArrayLike, w: ArrayLike) -> tuple[Array, Array]:
-    """Return points and weights as intervals whose leading dimensions go together."""
+    """Return points and weights as intervals whose leading dimensions broadcast."""
     weights = _weights(w)
     points = _points(z, weights.shape[-2])
     try:
@@ -98,9 +99,9 @@ def _paired(z: ArrayLike, w: ArrayLike) -> tuple[Array, Array]:
 
 
 def _scaled(z: ArrayLike, w: ArrayLike) -> tuple[Array, Array, int]:
-    """Return crisp or interval points and weights whose sums are floats, and the points' exponent.
+    """Return points and weights scaled so that sums stay finite, and the points' exponent.
 
-    Points are divided by two to that power. Weights matter by their ratios only, row by row.
+    Points are divided by two to that exponent. Only the ratios of the weights in each row matter.
     """
     points, weights = _paired(z, w)
     scale = binary_exponent(points)
@@ -113,14 +114,14 @@ def _scaled(z: ArrayLike, w: ArrayLike) -> tuple[Array, Array, int]:
 
 
 def _unscaled(values: Array, scale: int) -> Array:
-    """Return what came of scaled points; bounds may lie beyond the range of floats."""
+    """Return a result for scaled points in the original scale; bounds may overflow."""
     with np.errstate(over="ignore"):
         return np.asarray(np.ldexp(values, scale))[()] if scale else values
 
 
 @functools.cache
 def _one_row() -> Any:
-    """Return the compiled centroid of one set, for rows of floats and nothing else."""
+    """Return the compiled centroid of one set, which accepts only contiguous rows of floats."""
     from fuzzy2.reduction.kernels import centroid_of_row
     from fuzzy2.support.compiled import only_for
 
@@ -133,33 +134,35 @@ def generalized_centroid(z: ArrayLike, w: ArrayLike, method: str = "eiasc") -> A
     Parameters
     ----------
     z : (..., N) or (..., N, 2) array_like
-        Points, or intervals [left, right] of points; an array that can be read both ways, as for
-        N = 2, holds intervals. Domain points for the centroid, points of maximum membership for the
-        height reducer, centroids of the consequents for center of sets.
+        Points, or intervals [left, right] of points. An ambiguous array, which is possible for N =
+        2, is read as intervals. Pass domain points for the centroid, points of maximum membership
+        for the height reducer, and centroids of the consequents for center of sets.
     w : (..., N, 2) array_like
         Weight intervals [lower, upper], not negative.
     method : {"km", "ekm", "iasc", "eiasc", "scan"}
-        Karnik–Mendel from the middle of the weights; enhanced Karnik–Mendel (starts at N/2.4 and
-        N/1.7); the iterative algorithm with stop condition; its enhanced version; or a sorted scan
-        of all switch points. All give the same interval; only their speed differs.
+        Karnik–Mendel, which starts with the middles of the weights; enhanced Karnik–Mendel, which
+        starts at N/2.4 and N/1.7; the iterative algorithm with stop condition; its enhanced
+        version; or a scan of all switch points. All give the same interval and differ only in
+        speed.
 
     Returns
     -------
     (..., 2) ndarray
-        Left and right end; NaN where all upper weights are zero. Not a confidence interval: how
-        often it covers what it is about is not known in advance.
+        Left and right end; NaN where all upper weights are zero. This is not a confidence interval:
+        its coverage probability is not known.
 
     Raises
     ------
     InvalidValue
-        If shapes do not go together, a number is not finite, an interval is reversed or a weight is
+        If shapes do not match, a number is not finite, an interval is reversed or a weight is
         negative.
     UnknownName
         If there is no such method.
     """
     code = _code(method)
     points, weights = _paired(z, w)
-    # Distances of points near the ends of the range of floats would leave it.
+    # The points are scaled first, because distances near the ends of the range of floats would
+    # overflow or underflow.
     scale = binary_exponent(points)
     if scale:
         points = np.ldexp(points, -scale)
@@ -167,7 +170,7 @@ def generalized_centroid(z: ArrayLike, w: ArrayLike, method: str = "eiasc") -> A
     shape = np.broadcast_shapes(points.shape[:-2], weights.shape[:-2])
     from fuzzy2.reduction import kernels as reduction_kernels
 
-    # Points that are the same for every item are sorted once.
+    # Points that all items share are sorted only once.
     shared = points.ndim == 2
     flat_points = (
         points if shared else np.broadcast_to(points, (*shape, count, 2)).reshape(-1, count, 2)
@@ -202,8 +205,8 @@ def centroid(x: ArrayLike, lower: ArrayLike, upper: ArrayLike, method: str = "ei
     Returns
     -------
     (..., 2) ndarray
-        Left and right end of the centroid; NaN where the set is empty. A set's own ``centroid()``
-        works on the continuous domain.
+        Left and right end of the centroid; NaN where the set is empty. The ``centroid()`` method of
+        a set works on the continuous domain instead.
 
     Raises
     ------
@@ -215,7 +218,8 @@ def centroid(x: ArrayLike, lower: ArrayLike, upper: ArrayLike, method: str = "ei
         try:
             done = _one_row()(x, lower, upper, _code(method), out)
         except TypeError:
-            # No contiguous rows of floats: many sets, whole numbers and the like go the longer way.
+            # The compiled function accepts only contiguous rows of floats. Several sets, whole
+            # numbers and the like take the general path.
             done = 0
         if done:
             return out
@@ -235,14 +239,14 @@ def nie_tan(z: ArrayLike, w: ArrayLike) -> Array:
 
     It is :math:`\sum z_i (w_i^l + w_i^u) / \sum (w_i^l + w_i^u)`.
 
-    An approximation: it needs no sorting, and differs from the middle of the exact interval. (M.
-    Nie and W. W. Tan, "Towards an efficient type-reduction method for interval type-2 fuzzy logic
+    This approximation needs no sorting and differs from the middle of the exact interval. (M. Nie
+    and W. W. Tan, "Towards an efficient type-reduction method for interval type-2 fuzzy logic
     systems", FUZZ-IEEE 2008.)
 
     Parameters
     ----------
     z : (..., N) or (..., N, 2) array_like
-        Points, or intervals, whose middles are taken.
+        Points, or intervals, which are replaced with their middles.
     w : (..., N, 2) array_like
         Weight intervals.
 
@@ -267,14 +271,14 @@ def begian_melek_mendel(z: ArrayLike, w: ArrayLike, m: float = 0.5, n: float = 0
 
     .. math:: y = m \frac{\sum_i w_i^l z_i}{\sum_i w_i^l} + n \frac{\sum_i w_i^u z_i}{\sum_i w_i^u}
 
-    An approximation with design parameters m and n. Where all lower weights are zero its first term
-    has no value; then the second one stands for both. (M. Begian, W. Melek, J. Mendel, "Stability
-    analysis of type-2 fuzzy systems", FUZZ-IEEE 2008.)
+    This approximation has the design parameters m and n. If all lower weights are zero, the first
+    quotient is undefined and the second is used for both terms. (M. Begian, W. Melek, J. Mendel,
+    "Stability analysis of type-2 fuzzy systems", FUZZ-IEEE 2008.)
 
     Parameters
     ----------
     z : (..., N) or (..., N, 2) array_like
-        Points, or intervals, whose middles are taken.
+        Points, or intervals, which are replaced with their middles.
     w : (..., N, 2) array_like
         Weight intervals.
     m, n : float
@@ -301,7 +305,7 @@ def begian_melek_mendel(z: ArrayLike, w: ArrayLike, m: float = 0.5, n: float = 0
 
 
 def _ratio(numerator: Array, denominator: Array) -> Array:
-    """Divide, with NaN where the denominator is zero."""
+    """Return the quotient, or NaN where the denominator is zero."""
     with np.errstate(invalid="ignore", divide="ignore"):
         ratio: Array = np.where(denominator > 0.0, numerator / denominator, np.nan)
     return ratio
@@ -310,8 +314,8 @@ def _ratio(numerator: Array, denominator: Array) -> Array:
 def wu_mendel_bounds(z: ArrayLike, w: ArrayLike) -> WuMendelBounds:
     r"""Return the Wu–Mendel bounds of both ends of the type-reduced interval, without iteration.
 
-    With :math:`z` sorted, :math:`y^{(0)}` and :math:`y^{(N)}` the averages with all lower and with
-    all upper weights,
+    Let :math:`z` be sorted, and let :math:`y^{(0)}` and :math:`y^{(N)}` be the averages with all
+    lower and with all upper weights. Then
 
     .. math::
 
@@ -320,9 +324,9 @@ def wu_mendel_bounds(z: ArrayLike, w: ArrayLike) -> WuMendelBounds:
         \frac{\sum_i w_i^l (z_i - z_1)\, \sum_i w_i^u (z_N - z_i)}{\sum_i w_i^l (z_i - z_1)
         + \sum_i w_i^u (z_N - z_i)},
 
-    and the mirror image for the right end. (H. Wu and J. Mendel, "Uncertainty bounds and their use
-    in the design of interval type-2 fuzzy logic systems", IEEE Transactions on Fuzzy Systems 10,
-    2002.)
+    and the bounds of the right end are the mirror image. (H. Wu and J. Mendel, "Uncertainty bounds
+    and their use in the design of interval type-2 fuzzy logic systems", IEEE Transactions on Fuzzy
+    Systems 10, 2002.)
 
     Parameters
     ----------
@@ -334,9 +338,9 @@ def wu_mendel_bounds(z: ArrayLike, w: ArrayLike) -> WuMendelBounds:
     Returns
     -------
     WuMendelBounds
-        ``left_lower <= y_l <= left_upper`` and ``right_lower <= y_r <= right_upper``. Where all
-        lower weights are zero the outer bounds are the extreme points that can carry weight; NaN
-        where all upper weights are zero.
+        The bounds ``left_lower <= y_l <= left_upper`` and ``right_lower <= y_r <= right_upper``.
+        Where all lower weights are zero, the outer bounds are the extreme points with a positive
+        upper weight. All bounds are NaN where all upper weights are zero.
 
     Raises
     ------
@@ -358,7 +362,8 @@ def wu_mendel_bounds(z: ArrayLike, w: ArrayLike) -> WuMendelBounds:
         by_low = _ratio((low * y).sum(axis=-1), sum_low)
         inner = np.fmin(by_low, by_high)
         first, last = (np.where(np.isfinite(edge), edge, 0.0) for edge in (first, last))
-        # Weights as shares of the sum of the upper ones: products of tiny weights would underflow.
+        # Weights are taken as shares of the sum of the upper weights, because products of tiny
+        # weights would underflow.
         with np.errstate(invalid="ignore", divide="ignore"):
             low_share, high_share = (
                 low / sum_high[..., np.newaxis],

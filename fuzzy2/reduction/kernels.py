@@ -1,18 +1,19 @@
-"""Compiled loops of type reduction; :mod:`fuzzy2.reduction.interval` is their face.
+"""Compiled loops of type reduction, which :mod:`fuzzy2.reduction.interval` calls.
 
-Type reduction works on one row: points sorted in ascending order, and the weights in that order.
-The left end takes upper weights up to the switch point and lower ones after it; the right end is
+Type reduction works on one row of points, in ascending order, and on weights in the same order. The
+left end takes upper weights up to the switch point and lower weights after it. The right end is
 computed on the same points with the roles exchanged.
 
-Whether point k lies below the average is decided without the average: it does if its moment from
-the points below is smaller than that from the points above,
+Whether point k lies below the average is decided without computing the average: it does if its
+moment F relative to the points below it is smaller than its moment H relative to the points above
+it,
 
-    F(k) = sum of before[i] (z[k] - z[i]) over i < k < H(k) = sum of after[i] (z[i] - z[k]) over i >
-    k.
+    F(k) = sum of before[i] (z[k] - z[i]) over i < k,
+    H(k) = sum of after[i] (z[i] - z[k]) over i > k.
 
-Weight k itself takes no part, so a weight that outweighs all others by more digits than a float has
-cannot hide the answer, as it does when z[k] is compared with an average that it dominates. F never
-falls with k and H never rises, so there is one switch point.
+Weight k itself does not enter. So a weight that exceeds all others by more digits than a float has
+does not spoil the decision, as it would if z[k] were compared with an average that it dominates. F
+never decreases with k and H never increases, so there is exactly one switch point.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ KM, EKM, IASC, EIASC, SCAN = range(5)
 def _moments(z, before, after, below, above):
     """Write F and H of every point.
 
-    All terms are positive and sums are only added to, so nothing cancels.
+    All terms are positive and the sums only grow, so there is no cancellation.
     """
     n = z.size
     mass, moment = 0.0, 0.0
@@ -51,9 +52,9 @@ def _moments(z, before, after, below, above):
 
 @scalar
 def _average(z, before, after, k):
-    """Average of the points, measured from the first one.
+    """Return the average of the points, measured from the first point.
 
-    ``before`` are the first k weights and ``after`` the others.
+    ``before`` holds the weights of the first k points and ``after`` those of the others.
     """
     numerator, denominator = 0.0, 0.0
     for i in range(k):
@@ -67,7 +68,7 @@ def _average(z, before, after, k):
 
 @scalar
 def _switch_of(z, average):
-    """Return how many points do not lie above the average, at least 1 and at most n − 1."""
+    """Return how many points do not lie above the average, at least 1 and at most n - 1."""
     k = 1
     while k < z.size - 1 and z[k] - z[0] <= average:
         k += 1
@@ -78,9 +79,9 @@ def _switch_of(z, average):
 def end_of_interval(  # noqa: C901 (five methods in one compiled loop, for speed)
     z, before, after, left, method, below, above
 ):
-    """One end of the interval: the extreme average over all switch points k.
+    """Return one end of the interval: the extreme average over all switch points k.
 
-    For points that can all carry weight.
+    All points must have a positive upper weight.
 
     ``before`` are the weights of the first k points and ``after`` those of the others: upper and
     lower for the left end, lower and upper for the right end. The best k lies between 1 and n − 1,
@@ -93,7 +94,7 @@ def end_of_interval(  # noqa: C901 (five methods in one compiled loop, for speed
         best = _average(z, before, after, 1)
         mass_after, moment_after = 0.0, 0.0
         for k in range(n - 1, 0, -1):
-            # Suffix sums, into the scratch arrays.
+            # The suffix sums go into the scratch arrays.
             mass_after += after[k]
             moment_after += after[k] * (z[k] - z[0])
             below[k], above[k] = mass_after, moment_after
@@ -108,7 +109,8 @@ def end_of_interval(  # noqa: C901 (five methods in one compiled loop, for speed
     _moments(z, before, after, below, above)
     k = 1
     if method == EIASC and not left:
-        # Enhanced: the right end starts from its own side, where its switch point is nearer.
+        # The enhanced algorithm starts the right end from its own side, where its switch point is
+        # nearer.
         k = n - 1
     elif method == EKM:
         k = min(max(round(n / 2.4 if left else n / 1.7), 1), n - 1)
@@ -119,7 +121,8 @@ def end_of_interval(  # noqa: C901 (five methods in one compiled loop, for speed
             denominator += before[i] + after[i]
         k = _switch_of(z, numerator / denominator)
     if method in (KM, EKM):
-        # Karnik and Mendel's step from average to switch point, while it leads outward.
+        # Karnik and Mendel's step from the average to a new switch point, as long as the average
+        # moves outward.
         average = _average(z, before, after, k)
         while True:
             new = _switch_of(z, average)
@@ -127,8 +130,8 @@ def end_of_interval(  # noqa: C901 (five methods in one compiled loop, for speed
             if new == k or not (candidate < average if left else candidate > average):
                 break
             k, average = new, candidate
-    # The step with stop condition, one point at a time; after Karnik and Mendel's it only confirms,
-    # or settles a hidden switch point.
+    # The step with stop condition moves one point at a time. After Karnik and Mendel's steps it
+    # only confirms the switch point, or corrects one that a dominant weight hid.
     while k < n - 1 and below[k] < above[k]:
         k += 1
     while k > 1 and below[k - 1] >= above[k - 1]:
@@ -138,17 +141,17 @@ def end_of_interval(  # noqa: C901 (five methods in one compiled loop, for speed
 
 @scalar
 def _log_sum(a, b):
-    """Logarithm of the sum of two numbers, of which the logarithms are given."""
+    """Return the logarithm of the sum of two numbers that are given by their logarithms."""
     least, most = min(a, b), max(a, b)
     return most if least == -math.inf else most + math.log1p(math.exp(least - most))
 
 
 @scalar
 def end_in_logarithms(z, before, after, below, above):
-    """Do as ``end_of_interval`` with logarithms of weights, which no ratio of them leaves.
+    """Do as ``end_of_interval`` with logarithms of weights, so that no ratio of weights underflows.
 
-    An end takes upper weights on one side and lower ones on the other. Where these are of very
-    different size, weights relative to the greatest of all may vanish though they decide.
+    An end takes upper weights on one side and lower weights on the other. If these differ greatly
+    in size, the weights that decide may vanish relative to the greatest weight.
     """
     n = z.size
     if n == 1:
@@ -181,7 +184,8 @@ def end_in_logarithms(z, before, after, below, above):
     return z[0] + numerator / denominator
 
 
-# Points that are larger, or all smaller, are scaled first: their distances would not be floats.
+# Points are scaled first if one is larger than this, or all are smaller, because their distances
+# would overflow or underflow.
 LARGEST, SMALLEST = 2.0**400, 2.0**-400
 
 
@@ -189,10 +193,10 @@ LARGEST, SMALLEST = 2.0**400, 2.0**-400
 def centroid_of_row(x: Array, lower: Array, upper: Array, method: int, out: Array) -> int:
     """Write left and right end of a set on ascending points (n,), with grades (n,).
 
-    Return 1, or 0 if it is anything else than that: points out of order, of a scale of their own,
-    numbers that are no grades, or arrays that do not go together.
+    Return 1, or 0 if the general path must handle the set: if points are not in order or need
+    scaling, if grades are invalid, or if array sizes differ.
 
-    For callers in a hurry, who have no time to look at arrays several times.
+    It is a fast path, which checks the arrays in a single pass.
     """
     n = x.size
     if n == 0 or lower.size != n or upper.size != n:
@@ -201,7 +205,7 @@ def centroid_of_row(x: Array, lower: Array, upper: Array, method: int, out: Arra
     fine = True
     for i in range(n):
         least, most, at = lower[i], upper[i], x[i]
-        # What is not a number fails every comparison.
+        # NaN fails every comparison.
         fine = fine and least >= 0.0 and least <= most and most < math.inf and before <= at
         heaviest, farthest, before = max(heaviest, most), max(farthest, abs(at)), at
     if not fine or not farthest < LARGEST or 0.0 < farthest < SMALLEST:
@@ -228,20 +232,21 @@ def centroid_of_row(x: Array, lower: Array, upper: Array, method: int, out: Arra
 def reduce_rows(z: Array, order: NDArray[np.int64], w: Array, method: int, out: Array) -> None:
     """Write left and right end of every row.
 
-    ``z`` (rows or 1, n, 2) holds both ends of the points, each column sorted, ``order`` the indices
-    that sort them, ``w`` (rows, n, 2) lower and upper weights in the original order, ``out`` (rows,
-    2).
+    ``z`` (rows or 1, n, 2) holds both ends of the points, with each column sorted. ``order`` holds
+    the indices that sort them, ``w`` (rows, n, 2) the lower and upper weights in the original
+    order, and ``out`` (rows, 2) the result.
     """
     n = w.shape[1]
     points, low, high = np.empty(n), np.empty(n), np.empty(n)
     below, above = np.empty(n), np.empty(n)
     for row in range(w.shape[0]):
         source = row if z.shape[0] > 1 else 0
-        # Weights relative to the largest: products of tiny ones would underflow.
+        # Weights are taken relative to the largest, because products of tiny weights would
+        # underflow.
         largest = w[row, :, 1].max()
         for end in range(2):
-            # Points that cannot carry weight take no part: they could stand where the switch point
-            # is looked for.
+            # Points without a positive upper weight are left out, because the search could take
+            # them for the switch point.
             count = 0
             for i in range(n):
                 j = order[source, i, end]
@@ -261,7 +266,8 @@ def reduce_rows(z: Array, order: NDArray[np.int64], w: Array, method: int, out: 
                     points[:count], low[:count], high[:count], False, method, below, above
                 )
         if out[row, 0] > out[row, 1]:
-            # The ends of a point come from two sides, and can miss each other by rounding.
+            # The two ends are computed separately and may cross by rounding if the interval is a
+            # point.
             out[row, 0], out[row, 1] = out[row, 1], out[row, 0]
 
 
@@ -269,7 +275,7 @@ def reduce_rows(z: Array, order: NDArray[np.int64], w: Array, method: int, out: 
 def reduce_rows_in_logarithms(
     z: Array, order: NDArray[np.int64], logarithms: Array, out: Array
 ) -> None:
-    """Do as ``reduce_rows`` with logarithms of weights, -inf for those of 0."""
+    """Do as ``reduce_rows`` with logarithms of weights, which are -inf for weights of 0."""
     n = logarithms.shape[1]
     points, low, high = np.empty(n), np.empty(n), np.empty(n)
     below, above = np.empty(n), np.empty(n)

@@ -1,9 +1,9 @@
-r"""Type reduction of weights that are given by their logarithms, however small they are.
+r"""Type reduction of weights that are given by their logarithms, however small the weights are.
 
-Reduction asks for ratios of weights only. But an end of an interval takes upper weights on one side
-of its switch point and lower ones on the other: it may hang on weights that are no floats beside
-the greatest, :math:`e^{-900}` against :math:`e^{-1200}` where others are 1. So logarithms are
-carried up to the last average.
+Type reduction depends only on ratios of weights. But an end of the interval takes upper weights on
+one side of its switch point and lower weights on the other. So it may depend on weights that
+underflow relative to the greatest weight, such as :math:`e^{-900}` and :math:`e^{-1200}` where
+others are 1. Therefore logarithms are kept until the final average.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from fuzzy2.support.checks import Array, binary_exponent
 from fuzzy2.support.pieces import pieces
 
 STEP = 40.0
-"""Gap between logarithms beyond which the smaller weight is less than rounding of the greater."""
+"""Gap between logarithms beyond which the smaller weight is below the rounding of the greater."""
 DEEPEST = 700.0
-"""The same beyond which it is no float."""
+"""Gap between logarithms beyond which the smaller weight underflows."""
 
 
 def centroid_in_logarithms(points: Array, logarithms: Array) -> Array:
-    """Return the type-reduced intervals (n, 2), see :func:`fuzzy2.generalized_centroid`.
+    """Return the type-reduced intervals (n, 2); see :func:`fuzzy2.generalized_centroid`.
 
     Parameters
     ----------
@@ -47,9 +47,9 @@ def centroid_in_logarithms(points: Array, logarithms: Array) -> Array:
 
 
 def average_in_logarithms(points: Array, logarithms: Array) -> Array:
-    """Return the averages (n,) of points (R,) or (n, R) with weights by their logarithms (n, R).
+    """Return the averages (n,) of points (R,) or (n, R), with weights given as logarithms (n, R).
 
-    NaN where all weights are 0.
+    An average is NaN where all weights are 0.
     """
     weights = relative(logarithms)
     with np.errstate(invalid="ignore"):
@@ -57,17 +57,17 @@ def average_in_logarithms(points: Array, logarithms: Array) -> Array:
 
 
 def relative(logarithms: Array) -> Array:
-    """Return weights (..., R), relative to the greatest, of their logarithms; all 0 where it is."""
+    """Return the weights (..., R) relative to the greatest; all are 0 where the greatest is 0."""
     greatest = logarithms.max(axis=-1, keepdims=True)
     return np.exp(logarithms - np.where(np.isfinite(greatest), greatest, 0.0))
 
 
 def bounds_in_logarithms(points: Array, logarithms: Array) -> Array:
-    """Return the middles (n, 2) of Wu and Mendel's bounds of both ends.
+    """Return the middles (n, 2) of the Wu-Mendel bounds of both ends.
 
-    Parameters are those of :func:`centroid_in_logarithms`; the bounds are those of
-    :func:`fuzzy2.wu_mendel_bounds`, of which the gap between them is written with both averages, so
-    that no product of weights is taken.
+    The parameters are those of :func:`centroid_in_logarithms`, and the bounds those of
+    :func:`fuzzy2.wu_mendel_bounds`. Here the gap between the bounds is written with both averages,
+    so that no product of weights is formed.
     """
     low, high = logarithms[..., 0], logarithms[..., 1]
     fires = high > -np.inf
@@ -90,15 +90,16 @@ def bounds_in_logarithms(points: Array, logarithms: Array) -> Array:
 
 
 def _log_sums(logarithms: Array) -> Array:
-    """Return the logarithms of the sums (n,) of weights by their logarithms (n, R)."""
+    """Return the logarithms of the sums (n,) of weights with logarithms (n, R)."""
     return np.asarray(np.logaddexp.reduce(logarithms, axis=-1))
 
 
 def as_floats(logarithms: Array) -> Array:
-    """Return weights (n, R, 2) whose ratios say what those of logarithms do, as far as floats can.
+    """Return weights (n, R, 2) that have the ratios of the given logarithms, as far as floats can.
 
-    Gaps that no rounding sees are narrowed, so that all weights of some rules are floats: nine with
-    the widest gaps. What is still too small is 0.
+    Gaps between consecutive logarithms that exceed the precision of floats are narrowed, so that
+    the weights of up to nine rules with the widest gaps remain positive floats. Weights that are
+    still too small become 0.
     """
     flat = logarithms.reshape(len(logarithms), -1)
     order = np.argsort(-flat, axis=-1)

@@ -1,4 +1,4 @@
-"""Type-1 sets made of functions and of other sets."""
+"""Type-1 sets made from functions and from other sets."""
 
 from __future__ import annotations
 
@@ -18,29 +18,30 @@ from fuzzy2.support.quadrature import merged
 
 @dataclass(frozen=True)
 class FunctionalSet(Type1Set):
-    """Set given by any function of the points.
+    """Set given by an arbitrary function of the points.
 
-    What is not known of the function (height, maxima, cuts, convexity) is read from samples: at the
-    landmarks, and at 64 points between each two of them. It is as accurate as that grid.
+    Height, maxima, cuts and convexity are found by sampling the function at the landmarks and at 64
+    points between each two of them. They are as accurate as that grid.
 
     Parameters
     ----------
     function : callable
-        From points (...,) to grades (...,) in [0, 1].
+        Maps points (...,) to grades (...,) in [0, 1].
     left, right : float
-        Ends of the support; the membership is 0 outside, whatever the function says. They may be
-        infinite; then there is no centroid.
+        Ends of the support. The membership is 0 outside, whatever the function returns there. If an
+        end is infinite, the set has no centroid.
     knots : sequence of float
-        Points where the function has kinks or narrow peaks, and for an unbounded support the range
-        that matters.
+        Points where the function has kinks or narrow peaks. For an unbounded support they also mark
+        the range that matters.
     slope : callable, optional
-        Derivative of the function, from points (...,) to derivatives (...,); at a kink from the
-        right. Without it the set has none.
+        Derivative of the function, which maps points (...,) to derivatives (...,); at a kink, the
+        derivative from the right. Without it the set has no derivative.
 
     Raises
     ------
     InvalidValue
-        If the ends are not in order, or nothing finite says where the set is.
+        If the ends are not in order, or neither an end nor a knot is finite enough to locate the
+        set.
     """
 
     function: Callable[[Array], Array]
@@ -72,7 +73,7 @@ class FunctionalSet(Type1Set):
 
     @property
     def height(self) -> float:
-        """Supremum of the membership, as sampled."""
+        """Supremum of the sampled membership."""
         return self._sampled.height
 
     @cached_property
@@ -103,9 +104,9 @@ class FunctionalSet(Type1Set):
         return self._reach(alpha, points, grades), self._reach(alpha, points[::-1], grades[::-1])
 
     def _reach(self, alpha: Array, points: Array, grades: Array) -> Array:
-        """Return where the membership first reaches alpha (...,) on the way through samples.
+        """Return where the membership first reaches alpha (...,) along the samples.
 
-        Bisection between two of them.
+        The point is found by bisection between two samples.
         """
         after = np.minimum(
             np.searchsorted(np.maximum.accumulate(grades), alpha, side="left"), len(points) - 1
@@ -118,13 +119,13 @@ class FunctionalSet(Type1Set):
         return np.asarray(reached)
 
     def is_convex(self) -> bool:
-        """Return whether the membership rises to its maximum and then falls, as sampled."""
+        """Return whether the sampled membership rises to its maximum and then falls."""
         return self._sampled.is_convex()
 
 
 @dataclass(frozen=True)
 class Truncated(Type1Set):
-    """Set cut off outside of an interval: its membership there is 0.
+    """Set cut off outside an interval, where its membership is 0.
 
     Parameters
     ----------
@@ -136,7 +137,7 @@ class Truncated(Type1Set):
     Raises
     ------
     InvalidValue
-        If the ends are not finite and in order, or nothing of the set is left.
+        If the ends are not finite and in order, or the interval does not meet the set.
     """
 
     whole: Type1Set
@@ -160,14 +161,14 @@ class Truncated(Type1Set):
 
     @cached_property
     def _highest(self) -> tuple[float, float, float]:
-        """Height, and first and last point of it."""
+        """Height of the set, and the first and the last point that reach it."""
         first, last = self._support()
         if not self.whole.is_convex():
             sampled = self._sampled
             return sampled.height, *sampled._maxima()
         maxima = self.whole.maxima
-        # A convex set cut off beside its maximum is highest at the cut; one that never reaches it,
-        # at the higher end.
+        # A convex set that is cut off beside its maximum is highest at the cut. One that never
+        # reaches its maximum is highest at the higher end.
         points = np.array([first, last] if maxima is None else np.clip(maxima, first, last))
         highest = float(self.whole(points).max())
         left, right = self.whole.alpha_cut(highest)
@@ -200,17 +201,17 @@ class Truncated(Type1Set):
         return np.clip(left, self.left, self.right), np.clip(right, self.left, self.right)
 
     def is_convex(self) -> bool:
-        """Return whether the whole set is convex, or what is left of it."""
+        """Return whether the whole set is convex, or at least its part within the interval."""
         return self.whole.is_convex() or self._sampled.is_convex()
 
 
 def sampled_closely(fuzzy_set: Type1Set) -> SampledSet:
-    """Return a set sampled between its landmarks.
+    """Return a set sampled between its landmarks, more densely toward its maximum.
 
-    Ever closer around its maximum, on which cuts and normality hang.
+    Cuts and normality depend on the samples near the maximum.
     """
     points = np.clip(refined(fuzzy_set.landmarks), *fuzzy_set.support)
-    for _ in range(6):  # 2^-30 of a step is enough where the membership is flat
+    for _ in range(6):  # 2^-30 of a step is enough because the membership is flat there
         points = merged(points)
         best = int(np.argmax(fuzzy_set(points)))
         points = np.concatenate(
@@ -224,7 +225,7 @@ def sampled_closely(fuzzy_set: Type1Set) -> SampledSet:
 
 @dataclass(frozen=True)
 class Complement(Type1Set):
-    r"""Complement of a set (eq. 1.11), as a rule says *is not*.
+    r"""Complement of a set (eq. 1.11), for *is not* in a rule.
 
     .. math:: \mu(x) = 1 - \mu_A(x)
 
@@ -253,7 +254,7 @@ class Complement(Type1Set):
 
     @cached_property
     def _least(self) -> tuple[float, float, float]:
-        """Least membership of the set, as sampled, and the first and the last point of it."""
+        """Smallest sampled membership of the set, and the first and the last point that have it."""
         points = np.concatenate([[-math.inf], refined(self.whole.landmarks), [math.inf]])
         grades = self.whole(points)
         least = points[grades <= grades.min() + ROUNDING]
@@ -268,7 +269,7 @@ class Complement(Type1Set):
         first, last = self.whole.core or (math.inf, -math.inf)
         left = last if first == -math.inf else -math.inf
         right = first if last == math.inf else math.inf
-        # Of everything the complement is nothing, and nothing has no ends.
+        # The complement of the whole line is empty, and an empty set has no ends.
         return (left, right) if left <= right else (-math.inf, math.inf)
 
     def _maxima(self) -> tuple[float, float] | None:
@@ -278,13 +279,13 @@ class Complement(Type1Set):
                 last
             ) else first
         _, first, last = self._least
-        # What a set with tails comes down to at infinity is never reached.
+        # A set with tails reaches its infimum only at infinity.
         return None if math.isinf(first) or math.isinf(last) else (first, last)
 
     def _landmarks(self) -> Array:
         points, (first, last) = self.whole.landmarks, self.whole.support
         width = float(points[-1] - points[0]) or 1.0
-        # Where the set ends with a jump, the complement begins beyond it.
+        # If the set ends with a jump, the complement begins just beyond it.
         jumps = [
             end + side * width
             for end, side in ((first, -1.0), (last, 1.0))
@@ -299,9 +300,9 @@ class Complement(Type1Set):
 
     @property
     def _falls(self) -> float:
-        """The infinity towards which a convex set rises without end, so that its complement falls.
+        """Infinity toward which a convex set keeps rising, so that its complement falls.
 
-        0 if there is none.
+        It is 0 if there is none.
         """
         ends = self.whole(np.array([-math.inf, math.inf]))
         return (
@@ -326,6 +327,6 @@ class Complement(Type1Set):
     def is_convex(self) -> bool:
         """Return whether the membership rises to its maximum and then falls.
 
-        The set is a shoulder, or, as sampled, has a valley.
+        That holds if the set is a shoulder, or if its samples form a valley.
         """
         return (self.whole.is_convex() and self._falls != 0.0) or self._searched.is_convex()

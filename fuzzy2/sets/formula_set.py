@@ -1,4 +1,4 @@
-"""Sets whose membership is a formula, as terms of fuzzylite may be."""
+"""Sets whose membership is a formula, as fuzzylite allows."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from fuzzy2.support.formula import Formula
 
 @dataclass(frozen=True)
 class FormulaSet(Type1Set):
-    r"""Set whose membership is a formula of x, cut off at 0 and 1.
+    r"""Set whose membership is a formula of x, limited to [0, 1].
 
     .. math:: \mu(x) = \min(1, \max(0, f(x)))
 
@@ -26,14 +26,14 @@ class FormulaSet(Type1Set):
     formula : str
         The formula :math:`f` of ``x``; see :mod:`fuzzy2.support.formula`.
     left, right : float
-        Ends of the range in which it matters. It goes on beyond, but what is not known of it
-        (height, maxima, cuts) is sampled there, closely beside the numbers of the formula, where
-        jumps and kinks are as a rule.
+        Ends of the range that matters. The membership continues beyond them, but height, maxima and
+        cuts are sampled in this range. Samples are dense near the numbers that occur in the
+        formula, because jumps and kinks usually lie there.
 
     Raises
     ------
     InvalidValue
-        If it is no formula, asks for other names than x, or is no number somewhere in the range.
+        If the text is not a formula, uses names other than x, or gives NaN somewhere in the range.
     """
 
     formula: str
@@ -57,7 +57,7 @@ class FormulaSet(Type1Set):
         return Formula(self.formula)
 
     def _raw(self) -> Array:
-        """Return the formula at many points of the range."""
+        """Return the values of the formula at many points of the range."""
         return self._parsed(np.clip(refined(np.array(self._knots)), self.left, self.right))
 
     @property
@@ -67,7 +67,7 @@ class FormulaSet(Type1Set):
 
     @property
     def is_cut(self) -> bool:
-        """Whether the formula leaves [0, 1] within the range, as sampled."""
+        """Whether the sampled formula leaves [0, 1] within the range."""
         grades = self._raw()
         return bool(((grades < 0.0) | (grades > 1.0)).any())
 
@@ -80,7 +80,7 @@ class FormulaSet(Type1Set):
 
     @property
     def height(self) -> float:
-        """Supremum of the membership, as sampled."""
+        """Supremum of the sampled membership."""
         return self._whole.height
 
     def _grades(self, x: Array) -> Array:
@@ -99,5 +99,5 @@ class FormulaSet(Type1Set):
         return self._whole._cut(alpha)
 
     def is_convex(self) -> bool:
-        """Return whether the membership rises to its maximum and then falls, as sampled."""
+        """Return whether the sampled membership rises to its maximum and then falls."""
         return self._whole.is_convex()

@@ -16,22 +16,23 @@ from fuzzy2.support.quadrature import merged
 
 @dataclass(frozen=True)
 class FunctionalType2Set(GeneralType2Set):
-    """General type-2 set given by any function from points to vertical slices.
+    """General type-2 set given by an arbitrary function from points to vertical slices.
 
     Parameters
     ----------
     function : callable
-        From a point to its vertical slice, a :class:`Type1Set`; what of it lies outside of [0, 1]
-        is cut off.
+        Maps a point to its vertical slice, a :class:`Type1Set`. The part of the slice outside [0,
+        1] is cut off.
     left, right : float
         Ends of the domain; they may be infinite.
     knots : sequence of float
-        Points where the shape changes, and for an unbounded domain the range that matters.
+        Points where the shape changes. For an unbounded domain they also mark the range that
+        matters.
 
     Raises
     ------
     InvalidValue
-        If the ends are not in order, or nothing finite says where the set is.
+        If the ends are not in order, or if too few finite points locate the set.
     """
 
     function: Callable[[float], Type1Set]
@@ -65,12 +66,12 @@ class FunctionalType2Set(GeneralType2Set):
 
     @property
     def landmarks(self) -> Array:
-        """Finite ends of the domain and knots within it."""
+        """Finite ends of the domain, and the knots within it."""
         ends = [end for end in (self.left, self.right) if math.isfinite(end)]
         return merged(ends, [knot for knot in self.knots if self.left <= knot <= self.right])
 
     def secondary(self, x: float) -> Type1Set:
-        """Return the vertical slice at a point; outside of the domain it is crisply 0 (eq. 1.3)."""
+        """Return the vertical slice at a point (eq. 1.3); outside the domain it is crisply 0."""
         point = real("x", x)
         if not self.left <= point <= self.right:
             return Singleton(0.0)

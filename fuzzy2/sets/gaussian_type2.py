@@ -1,4 +1,4 @@
-"""General type-2 sets whose principal and secondary memberships are Gaussian."""
+"""General type-2 sets with a principal membership and Gaussian secondary memberships."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ from fuzzy2.support.quadrature import merged
 
 @dataclass(frozen=True)
 class MovedMembership(FunctionalSet):
-    """Bound of an α-plane: the principal membership, moved up or down and kept in [0, 1].
+    """Bound of an α-plane: the principal membership shifted up or down and limited to [0, 1].
 
-    Compiled kernels know it by a row, the one of :mod:`fuzzy2.systems.shape_kernels`.
+    Compiled kernels read it as a row of numbers, which :mod:`fuzzy2.systems.shape_kernels` defines.
     """
 
     row: KernelRow | None = None
@@ -38,32 +38,33 @@ class MovedMembership(FunctionalSet):
 class GaussianType2Set(GeneralType2Set):
     r"""General type-2 set with Gaussian vertical slices, truncated to [0, 1].
 
-    They lie about a principal membership.
+    The slices are centered on a principal membership function.
 
     .. math:: \mu(x, u) = \exp\left(-\frac{(u - m(x))^2}{2\,\sigma(x)^2}\right), \quad u \in [0, 1]
 
-    A Gaussian is positive everywhere, so that the footprint of uncertainty is all of [0, 1] where
-    sigma is positive. What a picture shows of it is ``alpha_plane(0.01)``.
+    A Gaussian is positive everywhere, so the footprint of uncertainty is all of [0, 1] where sigma
+    is positive. Figures show ``alpha_plane(0.01)`` instead.
 
     Parameters
     ----------
     principal : Type1Set
-        Principal membership function m. The attribute is the set as given, also outside of the
-        domain.
+        Principal membership function m. The attribute keeps the given set, including its part
+        outside the domain.
     sigma : float or callable
         Standard deviation of the slices: a number, or a function from points (...,) to numbers
-        (...,). Not negative; 0 is crisp.
+        (...,). It must not be negative; 0 means a crisp slice.
     domain : (float, float)
-        Domain of the set; unbounded by default. An α-plane needs a bounded one to have a centroid.
+        Domain of the set; unbounded by default. An α-plane has a centroid only if the domain is
+        bounded.
 
     Raises
     ------
     InvalidValue
-        If sigma is negative or not finite (a function: where it is evaluated), or the domain does
-        not meet the principal set.
+        If sigma is negative or not finite (a function is checked where it is evaluated), or if the
+        domain does not meet the principal set.
     """
 
-    # without it the property of the base would be taken for a default
+    # without it the property of the base class would be taken for a default
     principal: Type1Set = field()
     sigma: float | Callable[[Array], ArrayLike]
     domain: tuple[float, float] = (-math.inf, math.inf)
@@ -116,7 +117,7 @@ class GaussianType2Set(GeneralType2Set):
 
     @property
     def support(self) -> tuple[float, float]:
-        """Domain; of a crisp set, what of the support of the principal set lies in it."""
+        """The domain; for a crisp set, its intersection with the support of the principal set."""
         left, right = self.principal.support
         return (
             (max(left, self.domain[0]), min(right, self.domain[1]))
@@ -126,7 +127,7 @@ class GaussianType2Set(GeneralType2Set):
 
     @property
     def landmarks(self) -> Array:
-        """Those of the principal set within the domain, and the ends of the domain."""
+        """The landmarks of the principal set within the domain, and the ends of the domain."""
         ends = [end for end in self.support if math.isfinite(end)]
         points = self.principal.landmarks
         return merged(points[(points >= self.support[0]) & (points <= self.support[1])], ends)
@@ -134,7 +135,7 @@ class GaussianType2Set(GeneralType2Set):
     def secondary(self, x: float) -> Type1Set:
         """Return the vertical slice at a point.
 
-        A Gaussian truncated to [0, 1], or a singleton where sigma is 0 (eq. 1.3).
+        It is a Gaussian truncated to [0, 1], or a singleton where sigma is 0 (eq. 1.3).
         """
         point = np.array(real("x", x))
         membership, sigma = float(self._principal(point)), float(self.spread(point))
@@ -153,7 +154,7 @@ class GaussianType2Set(GeneralType2Set):
 
     def _cut(self, x: Array, alpha: float) -> tuple[Array, Array]:
         memberships, spreads = self._principal(x), self._inside_spread(x)
-        # At alpha = 0 a Gaussian reaches everywhere, but one of no width nowhere.
+        # At alpha = 0 a Gaussian extends over all of [0, 1], but one of width 0 is a single point.
         reach = np.where(
             spreads > 0.0,
             gaussian_reach(np.array(alpha), np.maximum(spreads, np.finfo(float).tiny)),
@@ -164,7 +165,8 @@ class GaussianType2Set(GeneralType2Set):
     def _bound_set(self, alpha: float, end: int) -> FunctionalSet:
         found = super()._bound_set(alpha, end)
         row = self.principal.kernel_row()
-        # Of other principal sets, spreads that change and bounded domains no kernel knows planes.
+        # Kernels know these planes only for Gaussian and trapezoidal principal sets, constant
+        # spreads and unbounded domains.
         if row is None or row[0] > 1.0 or callable(self.sigma) or np.isfinite(self.domain).any():
             return found
         reach = float(gaussian_reach(np.array(alpha), self.sigma)) if self.sigma > 0.0 else 0.0
@@ -176,15 +178,14 @@ class GaussianType2Set(GeneralType2Set):
         )
 
     def _slope_of_bound(self, alpha: float, end: int) -> Callable[[Array], Array] | None:
-        # Slices of a width that is a function of the points have a plane whose slope needs that of
-        # the function.
+        # If the width varies with the points, the slope of the plane needs the slope of the width.
         return None if callable(self.sigma) else partial(self._bound_slopes, alpha=alpha, end=end)
 
     def _kinks_of_bound(self, alpha: float, end: int) -> Array:
         if callable(self.sigma) or self.sigma == 0.0 or not self.principal.is_convex():
             return np.empty(0)
-        # Where a membership is cut off at 0 or 1. A search for a supremum that does not know of it
-        # misses narrow overlaps.
+        # Points where the membership is cut off at 0 or 1. A search for a supremum that does not
+        # know them misses narrow overlaps.
         reach = float(gaussian_reach(np.array(alpha), self.sigma))
         membership = reach if end == 0 else 1.0 - reach
         if not 0.0 < membership < self.principal.height:
@@ -196,10 +197,10 @@ class GaussianType2Set(GeneralType2Set):
         slopes = self.principal.derivative(x)
         if self.sigma == 0.0:
             return slopes
-        # no function comes here
+        # only constant spreads come here
         reach = gaussian_reach(np.array(alpha), float(self.sigma))  # type: ignore[arg-type]
-        # Where a membership is cut off at 0 or 1, its slope is that of the principal one only if
-        # that leads back.
+        # Where the bound is cut off at 0 or 1, its slope is 0 unless the principal membership leads
+        # back into [0, 1].
         if end == 0:
             room = self.principal(x) - reach
             return np.where(room > 0.0, slopes, np.where(room == 0.0, np.maximum(slopes, 0.0), 0.0))

@@ -1,11 +1,12 @@
 r"""General type-2 fuzzy sets.
 
-The membership at a point is itself a type-1 set over [0, 1], the vertical slice (eq. 1.1-1.3).
+The membership at a point is itself a type-1 set over [0, 1], which is called the vertical slice
+(eq. 1.1-1.3).
 
-A set is given by a principal membership with Gaussian secondaries (:class:`GaussianType2Set`), by
-any function from points to vertical slices (:class:`FunctionalType2Set`), by slices at sampled
-points (:class:`SampledType2Set`), or by α-planes (:class:`ZSlices`). All of them answer the same
-questions, whatever they are given by.
+A set is defined by a principal membership with Gaussian secondary memberships
+(:class:`GaussianType2Set`), by any function from points to vertical slices
+(:class:`FunctionalType2Set`), by slices at sampled points (:class:`SampledType2Set`), or by
+α-planes (:class:`ZSlices`). All these classes have the same methods.
 """
 
 from __future__ import annotations
@@ -32,21 +33,21 @@ from fuzzy2.support.quadrature import merged
 
 
 class EmbeddedType2Set(NamedTuple):
-    """Type-2 set embedded in a discrete one (eq. 1.6).
+    """Type-2 set embedded in a discrete type-2 set (eq. 1.6).
 
-    One primary membership at every point, with its secondary grade.
+    It has one primary membership at every point, with its secondary grade.
     """
 
     points: Array
     """Points, (N,)."""
     memberships: Array
-    """Primary memberships chosen, (N,)."""
+    """Chosen primary memberships, (N,)."""
     grades: Array
     """Their secondary grades, (N,)."""
 
     @property
     def type1(self) -> SampledSet:
-        """Embedded type-1 set (eq. 1.7): the same without the secondary grades."""
+        """Embedded type-1 set (eq. 1.7): the primary memberships without their secondary grades."""
         return SampledSet(self.points, self.memberships)
 
 
@@ -54,15 +55,15 @@ class EmbeddedType2Set(NamedTuple):
 class AlphaPlane(IntervalType2Set):
     """α-plane of a general type-2 set.
 
-    The primary memberships whose secondary grade is at least ``alpha``.
+    It holds the primary memberships whose secondary grade is at least ``alpha``.
 
-    At points where no secondary grade is, both memberships are 0.
+    At points where no secondary grade reaches ``alpha``, both memberships are 0.
     """
 
     alpha: float
 
     def __post_init__(self) -> None:
-        # The ends of an α-cut are in order; comparing them again would cost more than making the
+        # The ends of an α-cut are in order already; checking them would cost more than making the
         # plane.
         set_fields(self, alpha=float(self.alpha))
 
@@ -70,25 +71,25 @@ class AlphaPlane(IntervalType2Set):
 class GeneralType2Set(ShownSet, ABC):
     """Base of the general type-2 fuzzy sets.
 
-    A subclass gives ``secondary``, ``support`` and ``landmarks``, and where it knows a faster way
-    than slice by slice, the private methods.
+    A subclass defines ``secondary``, ``support`` and ``landmarks``. It overrides the private
+    methods where it has a faster way than slice by slice.
     """
 
     @property
     @abstractmethod
     def support(self) -> tuple[float, float]:
-        """Ends of the domain outside of which the membership is crisply 0; they may be infinite."""
+        """Ends of the domain, which may be infinite; the membership outside is crisply 0."""
 
     @property
     @abstractmethod
     def landmarks(self) -> Array:
-        """Ascending finite points that say where the set is and where its shape changes."""
+        """Ascending finite points that locate the set and mark where its shape changes."""
 
     @abstractmethod
     def secondary(self, x: float) -> Type1Set:
         """Return the vertical slice at a point.
 
-        The secondary membership function over [0, 1] (eq. 1.3).
+        It is the secondary membership function over [0, 1] (eq. 1.3).
 
         Parameters
         ----------
@@ -106,12 +107,12 @@ class GeneralType2Set(ShownSet, ABC):
         return cuts_of([self.secondary(float(point)) for point in x.ravel()], alpha, x.shape)
 
     def _principal(self, x: Array) -> Array:
-        """Return the primary memberships of greatest secondary grade at points (...,)."""
+        """Return the primary memberships with the greatest secondary grade at points (...,)."""
         middles = [0.5 * sum(maxima_of(self.secondary(float(point)))) for point in x.ravel()]
         return np.array(middles, dtype=float).reshape(x.shape)
 
     def _secondary_grades(self, x: Array, u: Array) -> Array:
-        """Return the secondary grades of pairs, both (...,)."""
+        """Return the secondary grades of points and primary memberships, both (...,)."""
         pairs = zip(x.ravel(), u.ravel(), strict=True)
         return np.array(
             [self.secondary(float(point))(membership) for point, membership in pairs], dtype=float
@@ -122,14 +123,15 @@ class GeneralType2Set(ShownSet, ABC):
         return keep_nan(x, self._cut(np.where(missing, self.landmarks[0], x), alpha)[end])
 
     def _slope_of_bound(self, alpha: float, end: int) -> Callable[[Array], Array] | None:
-        """Return the derivative from the right of a membership function of an α-plane.
+        """Return the right-hand derivative of a membership function of an α-plane.
 
-        Of the lower (end 0) or the upper (1) one, if it is known.
+        ``end`` is 0 for the lower function and 1 for the upper one. The result is None if no
+        formula is known.
         """
         return None
 
     def _kinks_of_bound(self, alpha: float, end: int) -> Array:
-        """Return finite points (K,) of kinks of that membership function besides the landmarks."""
+        """Return the kinks (K,) of that membership function other than the landmarks."""
         return np.empty(0)
 
     def _functional(self, function: Callable[[Array], Array]) -> FunctionalSet:
@@ -157,7 +159,8 @@ class GeneralType2Set(ShownSet, ABC):
     def principal(self) -> Type1Set:
         """Principal membership function.
 
-        The primary membership of greatest secondary grade, midway where there are several.
+        It is the primary membership with the greatest secondary grade, or the middle if several
+        have it.
         """
         return self._functional(
             lambda x: keep_nan(x, self._principal(np.where(np.isnan(x), self.landmarks[0], x)))
@@ -184,7 +187,7 @@ class GeneralType2Set(ShownSet, ABC):
         Parameters
         ----------
         x, u : (...,) array_like
-            Points and primary memberships; they broadcast.
+            Points and primary memberships, which are broadcast.
 
         Returns
         -------
@@ -201,7 +204,7 @@ class GeneralType2Set(ShownSet, ABC):
     def alpha_plane(self, alpha: float) -> IntervalType2Set:
         r"""Return the α-plane, :math:`\{(x, u) : \mu(x, u) \ge \alpha\}`.
 
-        At 0 it is the footprint of uncertainty.
+        For alpha = 0 it is the footprint of uncertainty.
 
         Parameters
         ----------
@@ -211,22 +214,24 @@ class GeneralType2Set(ShownSet, ABC):
         Returns
         -------
         IntervalType2Set
-            With ``.lower(x)`` and ``.upper(x)``, both 0 where no secondary grade reaches alpha.
+            The plane, with ``.lower(x)`` and ``.upper(x)``; both are 0 where no secondary grade
+            reaches alpha.
 
         Raises
         ------
         InvalidValue
             If alpha is not in [0, 1].
         NotApplicable
-            If a vertical slice is not convex: when the plane is evaluated there.
+            If a vertical slice is not convex. The error is raised when the plane is evaluated
+            there.
         """
         level = share("alpha", alpha)
         return AlphaPlane(self._bound_set(level, 0), self._bound_set(level, 1), level)
 
     def zslices(self, alphas: Sequence[float]) -> ZSlices:
-        """Return the set cut into zSlices.
+        """Return the set as zSlices.
 
-        A staircase of its α-planes at ascending grades in (0, 1].
+        The result is a staircase of α-planes at the given ascending grades in (0, 1].
         """
         levels = listed("alphas", alphas, "a list of grades")
         return ZSlices(levels, tuple(self.alpha_plane(level) for level in levels))
@@ -239,13 +244,13 @@ class GeneralType2Set(ShownSet, ABC):
         x : (N,) array_like
             Points.
         u : (M,) array_like
-            Primary memberships in [0, 1]. Each slice takes those of a positive secondary grade, and
-            its principal membership.
+            Primary memberships in [0, 1]. Each slice keeps those with a positive secondary grade
+            and adds its principal membership.
 
         Returns
         -------
         SampledType2Set
-            With slices of at most M + 1 primary memberships.
+            The sampled set; its slices have at most M + 1 primary memberships.
         """
         points, given = reals("x", x), reals("u", u)
         if not ((given >= 0.0) & (given <= 1.0)).all():
@@ -260,7 +265,7 @@ class GeneralType2Set(ShownSet, ABC):
         return SampledType2Set(points, slices)
 
     def embedded_count(self) -> int:
-        """Return the number of embedded type-2 sets, for a discrete set."""
+        """Return the number of embedded type-2 sets of a discrete set."""
         raise NotApplicable(
             "embedded_count",
             "a set on a continuous domain has infinitely many embedded sets; sample it first",
@@ -274,7 +279,7 @@ class GeneralType2Set(ShownSet, ABC):
         )
 
     def kernel_row(self) -> None:
-        """Return None: the compiled kernels read secondary grades in other ways."""
+        """Return None, because the compiled kernels read secondary grades in other ways."""
         return
 
 
@@ -284,7 +289,7 @@ class SampledType2Set(GeneralType2Set):
 
     With :class:`SampledSet` slices it is a discrete-membership type-2 set, and its embedded sets
     can be counted and listed; with others it is partially discrete. Between two points the α-cuts
-    of their slices are interpolated, which asks for convex slices; outside of the points the
+    of their slices are interpolated, which requires convex slices. Outside the points the
     membership is crisply 0.
 
     Parameters
@@ -297,8 +302,8 @@ class SampledType2Set(GeneralType2Set):
     Raises
     ------
     InvalidValue
-        If the points are not finite and distinct, or their number is not that of the slices, or a
-        slice leaves [0, 1].
+        If the points are not finite and distinct, if there are not as many slices as points, or if
+        a slice leaves [0, 1].
     """
 
     points: tuple[float, ...]
@@ -333,21 +338,21 @@ class SampledType2Set(GeneralType2Set):
         return np.array(self.points)
 
     def is_discrete(self) -> bool:
-        """Return whether the slices are discrete too.
+        """Return whether all slices are discrete.
 
-        A discrete-membership type-2 set, not a partially discrete one.
+        Then it is a discrete-membership type-2 set; otherwise it is partially discrete.
         """
         return all(isinstance(vertical_slice, SampledSet) for vertical_slice in self.slices)
 
     def secondary(self, x: float) -> Type1Set:
         """Return the vertical slice at a point.
 
-        Between two points, of interpolated α-cuts (eq. 1.3).
+        Between two sampled points the slice has interpolated α-cuts (eq. 1.3).
 
         Raises
         ------
         NotApplicable
-            If the point is between two, and their slices are not both convex.
+            If the point lies between two sampled points whose slices are not both convex.
         """
         point = real("x", x)
         if not self.points[0] <= point <= self.points[-1]:
@@ -394,7 +399,7 @@ class SampledType2Set(GeneralType2Set):
     def embedded_sets(self) -> Iterator[EmbeddedType2Set]:
         """Return all embedded type-2 sets, one after another.
 
-        Their order is that of the last slice first (eq. 1.6, 1.7).
+        The memberships of the last slice vary fastest (eq. 1.6, 1.7).
 
         Raises
         ------
@@ -414,9 +419,9 @@ class SampledType2Set(GeneralType2Set):
 
 @dataclass(frozen=True)
 class ZSlices(GeneralType2Set):
-    r"""General type-2 set of zSlices.
+    r"""General type-2 set made of zSlices.
 
-    Interval type-2 sets, each with the secondary grade of its level.
+    A zSlice is an interval type-2 set with the secondary grade of its level.
 
     .. math:: \mu(x, u) = \max \{\alpha_i : \underline\mu_i(x) \le u \le \overline\mu_i(x)\}
 
@@ -425,13 +430,13 @@ class ZSlices(GeneralType2Set):
     alphas : sequence of K floats
         Levels in (0, 1], ascending, no two of them equal.
     planes : sequence of K IntervalType2Set
-        Planes, each within the one before it. A type-1 set is a plane of no width.
+        Planes, each within the one before it. A type-1 set is a plane of zero width.
 
     Raises
     ------
     InvalidValue
-        If the levels are not in order, their number is not that of the planes, or a plane leaves
-        the one before it; it says where.
+        If the levels are not in order, if there are not as many planes as levels, or if a plane
+        leaves the one before it; the message says where.
     """
 
     alphas: tuple[float, ...]
@@ -461,7 +466,7 @@ class ZSlices(GeneralType2Set):
 
     @property
     def landmarks(self) -> Array:
-        """Those of all planes."""
+        """Landmarks of all planes."""
         return merged(*(plane.landmarks for plane in self.planes))
 
     def secondary(self, x: float) -> Staircase:
@@ -475,7 +480,7 @@ class ZSlices(GeneralType2Set):
         return [plane.lower for plane in self.planes], [plane.upper for plane in self.planes]
 
     def alpha_plane(self, alpha: float) -> IntervalType2Set:
-        """Return the plane of the lowest level that is at least alpha.
+        """Return the plane of the lowest level that is not below alpha.
 
         See :meth:`GeneralType2Set.alpha_plane`.
         """

@@ -1,9 +1,10 @@
 r"""Interval type-2 fuzzy sets.
 
-All secondary grades are 1, so that the footprint of uncertainty (eq. 1.4) is the whole set.
+All secondary grades are 1, so the footprint of uncertainty (eq. 1.4) determines the set.
 
-It lies between two type-1 sets, the lower and the upper membership function. The centroid of such a
-set is the interval of the centroids of all type-1 sets embedded in its footprint (eq. 1.70).
+The footprint lies between two type-1 sets, the lower and the upper membership function. The
+centroid of the set is the interval of the centroids of all type-1 sets embedded in the footprint
+(eq. 1.70).
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from fuzzy2.sets.uncertain_mean import FarthestMeanGaussian, NearestMeanGaussian
 from fuzzy2.support.checks import Array, ascending_pair, positive, real, reals, share, true_or_false
 from fuzzy2.support.quadrature import Moments, merged
 
-MOST_ITERATIONS = 1000  # ten are usual
+MOST_ITERATIONS = 1000  # about ten iterations are usual
 FURTHEST_TAIL = np.array([12.0, 18.0, 26.0, 39.0])
 
 
@@ -32,7 +33,7 @@ FURTHEST_TAIL = np.array([12.0, 18.0, 26.0, 39.0])
 class IntervalType2Set(ShownSet):
     """Interval type-2 set between any two type-1 sets.
 
-    ``fuzzy_set.lower`` and ``fuzzy_set.upper`` are type-1 sets, called with points:
+    ``fuzzy_set.lower`` and ``fuzzy_set.upper`` are type-1 sets, which are called with points, as in
     ``fuzzy_set.lower(x)``.
 
     Parameters
@@ -43,8 +44,8 @@ class IntervalType2Set(ShownSet):
     Raises
     ------
     InvalidValue
-        If the lower membership is above the upper one somewhere. Both are compared at their kinks,
-        on both sides of each, and at 64 points between each two, which is exact for triangles,
+        If the lower membership is above the upper one somewhere. Both are compared at every kink,
+        on both sides of it, and at 64 points between each two kinks. That is exact for triangles,
         trapezoids, intervals and sampled sets.
     """
 
@@ -60,7 +61,7 @@ class IntervalType2Set(ShownSet):
     def footprint(self, x: ArrayLike) -> Array:
         r"""Return the primary membership :math:`J_x` at points (eq. 1.4).
 
-        It is the interval of the footprint of uncertainty there.
+        It is the interval that the footprint of uncertainty covers there.
 
         Parameters
         ----------
@@ -79,17 +80,17 @@ class IntervalType2Set(ShownSet):
     def principal(self) -> EmbeddedSet:
         """Principal membership function.
 
-        Midway between the lower and the upper one, since all secondary grades are equal.
+        It is midway between the lower and the upper one, because all secondary grades are equal.
         """
         return EmbeddedSet(self, (), (0.5,))
 
     def secondary(self, x: float) -> Interval:
-        """Return the vertical slice at a point: the interval between both memberships (eq. 1.3)."""
+        """Return the vertical slice at a point, the interval between both memberships (eq. 1.3)."""
         low, high = self.footprint(real("x", x))
         return Interval(min(low, high), high)
 
     def alpha_plane(self, alpha: float) -> IntervalType2Set:
-        """Return the set itself: its secondary grades are all 1."""
+        """Return the set itself, because its secondary grades are all 1."""
         share("alpha", alpha)
         return self
 
@@ -100,20 +101,20 @@ class IntervalType2Set(ShownSet):
 
     @property
     def landmarks(self) -> Array:
-        """Those of both membership functions.
+        """Landmarks of both membership functions.
 
-        Ascending finite points between which both are smooth.
+        They are ascending finite points between which both functions are smooth.
         """
         return merged(self.lower.landmarks, self.upper.landmarks)
 
     def centroid(self) -> tuple[float, float]:
         r"""Return the centroid on the continuous domain, eq. 1.70 with 1.68.
 
-        By quadrature and a root.
+        It is found by quadrature and a root search.
 
-        The left end is the smallest centroid of an embedded type-1 set. That set follows the upper
-        membership function up to a point and the lower one after it, and the point is its own
-        centroid:
+        The left end is the smallest centroid of all embedded type-1 sets. The set with that
+        centroid follows the upper membership function up to a switch point and the lower one after
+        it, and the switch point equals the centroid:
 
         .. math::
 
@@ -122,12 +123,12 @@ class IntervalType2Set(ShownSet):
                        {\int_{-\infty}^{c_l} \overline\mu(x)\,dx
                            + \int_{c_l}^{\infty} \underline\mu(x)\,dx}
 
-        The right end likewise, with the two functions exchanged.
+        For the right end the two functions are exchanged.
 
         Returns
         -------
         left, right : float
-            Ends of the interval. Where the lower membership has no area they are those of the
+            Ends of the interval. If the lower membership has no area, they are the ends of the
             support.
 
         Raises
@@ -140,7 +141,8 @@ class IntervalType2Set(ShownSet):
         if first == last:
             return first, first
         origin = 0.5 * first + 0.5 * last
-        # Both are cut at the kinks of both: one may be zero where the other is not.
+        # The domain is cut at the kinks of both functions, because one may be zero where the other
+        # is not.
         between = self.lower.landmarks
         points = merged(points, between[(between > first) & (between < last)])
         lower, upper = Moments(self.lower, points, origin), Moments(self.upper, points, origin)
@@ -163,12 +165,12 @@ class IntervalType2Set(ShownSet):
         Parameters
         ----------
         choice : float or numpy.random.Generator
-            A switch point: one membership function before it, the other from there on. Or a source
-            of random numbers: between each two landmarks a constant share of the way from the lower
-            to the upper membership function, drawn uniformly.
+            A number is the switch point, where the set changes from one membership function to the
+            other. A random generator draws, uniformly and for each interval between two landmarks,
+            a constant share of the way from the lower to the upper membership function.
         upper_first : bool
             Whether the upper membership function comes before the switch point, as for the left end
-            of the centroid; not used for a random set.
+            of the centroid. A random set ignores it.
 
         Returns
         -------
@@ -186,16 +188,16 @@ class IntervalType2Set(ShownSet):
         )
 
     def sample(self, x: ArrayLike) -> IntervalType2Set:
-        """Return the set sampled at points (N,): between two :class:`SampledSet`."""
+        """Return the set sampled at points (N,), with two :class:`SampledSet` as bounds."""
         return IntervalType2Set(lower=self.lower.sample(x), upper=self.upper.sample(x))
 
     def kernel_row(self) -> KernelRow | None:
         """Return the set as a row of numbers for the compiled kernels.
 
-        None if only Python can evaluate it.
+        It is None if only Python can evaluate the set.
 
-        See :meth:`fuzzy2.sets.type1.Type1Set.kernel_row`; a pair of Gaussians of one mean has a
-        row.
+        See :meth:`fuzzy2.sets.type1.Type1Set.kernel_row`. A pair of Gaussians with the same mean
+        has a row.
         """
         low, high = self.lower, self.upper
         if isinstance(low, Gaussian) and isinstance(high, Gaussian) and low.mean == high.mean:
@@ -210,13 +212,13 @@ class IntervalType2Set(ShownSet):
                 0.0,
                 0.0,
             )
-        # A set without uncertainty is a type-1 set, whose own row says the same.
+        # A set without uncertainty is a type-1 set, and its lower function has the same row.
         return low.kernel_row() if low == high else None
 
 
 @dataclass(frozen=True)
 class GaussianUncertainMean(IntervalType2Set):
-    r"""Gaussian with a mean that is only known to lie between two values.
+    r"""Gaussian whose mean is only known to lie between two values.
 
     .. math::
 
@@ -226,7 +228,7 @@ class GaussianUncertainMean(IntervalType2Set):
     Parameters
     ----------
     mean : (float, float)
-        Smallest and largest mean; equal ones make a type-1 set.
+        Smallest and largest mean. Equal means make a type-1 set.
     sigma : float
         Standard deviation, above 0.
 
@@ -261,7 +263,7 @@ class GaussianUncertainMean(IntervalType2Set):
 
 @dataclass(frozen=True)
 class GaussianUncertainSigma(IntervalType2Set):
-    r"""Gaussian with a standard deviation that is only known to lie between two values.
+    r"""Gaussian whose standard deviation is only known to lie between two values.
 
     .. math:: \overline\mu(x) = e^{-(x - m)^2/(2 \sigma_2^2)}, \qquad
               \underline\mu(x) = e^{-(x - m)^2/(2 \sigma_1^2)}
@@ -271,7 +273,7 @@ class GaussianUncertainSigma(IntervalType2Set):
     mean : float
         Mean.
     sigma : (float, float)
-        Smallest and largest standard deviation, above 0; equal ones make a type-1 set.
+        Smallest and largest standard deviation, above 0. Equal ones make a type-1 set.
 
     Raises
     ------
@@ -307,17 +309,18 @@ class EmbeddedSet(Type1Set):
     Parameters
     ----------
     footprint : IntervalType2Set
-        The set in which it lies.
+        The interval type-2 set that contains it.
     edges : sequence of E floats
         Ascending points at which the share :math:`\beta` jumps.
     shares : sequence of E + 1 floats
-        Shares in [0, 1], before, between and after the edges; from an edge on the next one holds.
+        Shares in [0, 1] before, between and after the edges. The next share holds from the edge
+        itself.
 
     Raises
     ------
     InvalidValue
-        If the edges are not ascending, or the shares are not in [0, 1] or not one more than the
-        edges.
+        If the edges are not ascending, if the shares are not in [0, 1], or if there is not one more
+        share than edges.
     """
 
     footprint: IntervalType2Set
@@ -337,7 +340,7 @@ class EmbeddedSet(Type1Set):
 
     @property
     def height(self) -> float:
-        """Supremum of the membership, as sampled."""
+        """Supremum of the sampled membership."""
         return self._sampled.height
 
     @cached_property
@@ -372,7 +375,7 @@ class EmbeddedSet(Type1Set):
         return self._sampled.alpha_cut(alpha)
 
     def is_convex(self) -> bool:
-        """Return whether the membership rises to its maximum and then falls, as sampled."""
+        """Return whether the sampled membership rises to its maximum and then falls."""
         return self._sampled.is_convex()
 
 
@@ -398,13 +401,13 @@ def check_below(lower_name: str, lower: Type1Set, upper_name: str, upper: Type1S
 
 
 def switch_point(before: Moments, after: Moments, origin: float) -> float:
-    r"""Return the point that is its own centroid.
+    r"""Return the switch point, which equals the centroid of the set that switches there.
 
-    It is the centroid of the set with one membership before it and another after it.
+    That set has one membership before the switch point and the other after it.
 
-    Newton's method on :math:`\int (x - c)\,\mu_c(x)\,dx = 0`, which is the continuous Karnik-Mendel
-    iteration, kept between points on both sides of the root; where it creeps (a lower membership of
-    almost nothing) the interval is halved instead.
+    Newton's method solves :math:`\int (x - c)\,\mu_c(x)\,dx = 0`, which is the continuous
+    Karnik-Mendel iteration, and is kept between bounds on both sides of the root. Where it
+    converges slowly, because the lower membership is nearly zero, the interval is halved instead.
     """
     (low, high), point, last_step = before.ends, origin, math.inf
     best, smallest_step = point, math.inf

@@ -1,4 +1,4 @@
-"""Sets scaled, and begun later: the lower membership functions of MATLAB's type-2 sets."""
+"""Scaled and lagged sets: the lower membership functions of MATLAB's type-2 sets."""
 
 from __future__ import annotations
 
@@ -15,26 +15,26 @@ from fuzzy2.support.quadrature import merged
 
 @dataclass(frozen=True)
 class Lagged(Type1Set):
-    r"""Set that begins where another one has reached a grade, and is scaled.
+    r"""Scaled set that begins where another set has reached a given grade.
 
     .. math:: \mu(x) = s \, \max\!\left(0, \frac{\mu_A(x) - l}{1 - l}\right)
 
-    with one lag :math:`l` left of the maximum of :math:`A` and one right of it. A lag of 1 leaves
-    only where :math:`A` is 1.
+    with one lag :math:`l` left of the maximum of :math:`A` and another right of it. A lag of 1
+    leaves only the points where :math:`A` is 1.
 
     Parameters
     ----------
     whole : Type1Set
         The set :math:`A`, convex unless both lags are 0.
     lags : (float, float)
-        Lags of both sides, in [0, 1].
+        Lags of the left and the right side, in [0, 1].
     scale : float
         The scale :math:`s`, above 0 and at most 1.
 
     Raises
     ------
     InvalidValue
-        If they are not so, or nothing of the set is left.
+        If an argument is outside its range, or nothing of the set is left.
     """
 
     whole: Type1Set
@@ -52,7 +52,7 @@ class Lagged(Type1Set):
             raise InvalidValue("scale", scale, "above 0, and at most 1")
         set_fields(self, lags=lags, scale=scale)
         if any(lags) and not self.whole.is_convex():
-            raise InvalidValue("whole", self.whole, "a convex set, to be lagged")
+            raise InvalidValue("whole", self.whole, "a convex set, because it is lagged")
         if any(self.whole.height <= lag < 1.0 or self.whole.height < lag for lag in lags):
             raise InvalidValue("lags", lags, f"below the set's height, {self.whole.height:g}")
 
@@ -62,7 +62,7 @@ class Lagged(Type1Set):
         return float(self._of(np.array(self.whole.height), np.array(max(self.lags))))
 
     def _of(self, grades: Array, lag: Array) -> Array:
-        """Return the membership where the set has some grades (...,), at a lag."""
+        """Return the membership for given grades (...,) of the whole set, at a lag."""
         left = np.where(lag < 1.0, 1.0 - lag, 1.0)
         begun = np.where(lag < 1.0, (grades - lag) / left, np.where(grades >= 1.0, 1.0, 0.0))
         return np.asarray(self.scale * np.clip(begun, 0.0, 1.0))
@@ -108,7 +108,7 @@ class Lagged(Type1Set):
 
     def _cut(self, alpha: Array) -> tuple[Array, Array]:
         share = np.asarray(alpha) / self.scale
-        # Rounding must not ask for more than the set has.
+        # Rounding must not produce a grade above the height of the set.
         left, right = (
             np.minimum(lag + (1.0 - lag) * share, self.whole.height) for lag in self.lags
         )

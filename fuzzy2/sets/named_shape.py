@@ -1,4 +1,4 @@
-r"""Sets with shapes of fuzzylite and of the Fuzzy Control Language that have no other class.
+r"""Sets with shapes of fuzzylite and of the Fuzzy Control Language that have no class of their own.
 
 With :math:`h` the height, :math:`s, e` start and end, :math:`c` a center and :math:`w` a width:
 
@@ -48,7 +48,7 @@ _Numbers = tuple[float, ...]
 
 
 class _Shape(NamedTuple):
-    """A shape of height 1: its grades, where it lives, and what its parameters must be."""
+    """A shape of height 1: its grades, its landmarks, and the conditions on its parameters."""
 
     grades: Callable[[Array, _Numbers], Array]
     support: Callable[[_Numbers], tuple[float, float]]
@@ -132,7 +132,7 @@ def _spike(x: Array, p: _Numbers) -> Array:
 
 
 def _around(inflection: float, slope: float) -> list[float]:
-    """Return the point where a sigmoid turns, and those where it is nearly flat."""
+    """Return the inflection point of a sigmoid, and points where it is nearly flat."""
     reach = 10.0 / abs(slope)
     return [inflection - reach, inflection, inflection + reach]
 
@@ -237,16 +237,16 @@ SHAPES = tuple(_SHAPES)
 
 @dataclass(frozen=True)
 class NamedShape(Type1Set):
-    """Set whose shape is given by its name.
+    """Set whose shape is given by a name.
 
     Parameters
     ----------
     shape : str
         One of the names in :mod:`fuzzy2.sets.named_shape`.
     parameters : sequence of float
-        What stands there beside it.
+        The parameters listed for the shape in :mod:`fuzzy2.sets.named_shape`.
     scale : float
-        What the membership is multiplied by, above 0, at most 1.
+        Factor of the membership, above 0 and at most 1.
 
     Raises
     ------
@@ -287,7 +287,7 @@ class NamedShape(Type1Set):
 
     @property
     def height(self) -> float:
-        """Supremum of the membership, of some shapes as sampled."""
+        """Supremum of the membership; for some shapes it is sampled."""
         if self.shape in ("discrete", "constant"):
             grades = self.parameters[1::2] if self.shape == "discrete" else self.parameters
             return self.scale * max(grades)
@@ -313,5 +313,5 @@ class NamedShape(Type1Set):
         return self._whole._cut(alpha)
 
     def is_convex(self) -> bool:
-        """Return whether the membership rises to its maximum and then falls, as sampled."""
+        """Return whether the sampled membership rises to its maximum and then falls."""
         return self._whole.is_convex()

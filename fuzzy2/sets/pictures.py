@@ -14,21 +14,21 @@ from fuzzy2.support.quadrature import merged
 from fuzzy2.support.shown import Curve, Shown, captioned, small_picture
 
 POINTS = 61
-"""Points of a curve besides those where it bends."""
+"""Number of points of a curve besides those where it bends."""
 TAIL = 3e-3
 """Grade below which the tail of an unbounded set is left out."""
 LOWEST_PLANE = 0.01
-"""The α-plane that stands for a general type-2 set."""
+"""The α-plane that represents a general type-2 set."""
 
 
 def picture_of_sets(sets: Sequence[Any], name: str) -> Markup:
     """Return the membership functions of sets as SVG.
 
-    Of a type-2 set the footprint of uncertainty, of a general one that of its α-plane at 0.01.
+    A type-2 set shows its footprint of uncertainty; a general type-2 set shows its α-plane at 0.01.
     """
     ends = _ends(sets)
     bends = merged(*(np.asarray(item.landmarks, float) for item in sets))
-    # Beside the bends, too, for a set may jump there.
+    # Floats beside the bends are included because a set may jump there.
     points = merged(
         np.linspace(*ends, POINTS), bends, np.nextafter(bends, -np.inf), np.nextafter(bends, np.inf)
     )
@@ -37,7 +37,7 @@ def picture_of_sets(sets: Sequence[Any], name: str) -> Markup:
 
 
 class ShownSet(Shown):
-    """A set, which shows its membership in notebooks."""
+    """Set that shows its membership in notebooks."""
 
     def _repr_html_(self) -> Markup:
         text = repr(self)
@@ -52,7 +52,7 @@ def _grades(item: Any, points: Array) -> Curve:
 
 
 def _ends(sets: Sequence[Any]) -> tuple[float, float]:
-    """Return the range in which something is to be seen, with a margin."""
+    """Return the range in which the membership is visible, with a margin."""
     least, greatest = math.inf, -math.inf
     for item in sets:
         shown = item.principal if hasattr(item, "alpha_plane") else item.upper

@@ -1,8 +1,9 @@
 r"""Type-1 fuzzy sets: a membership grade in [0, 1] for every point of the real line.
 
-All sets are frozen and array-first: ``fuzzy_set(x)`` takes points of any shape and returns grades
+All sets are immutable and vectorized: ``fuzzy_set(x)`` takes points of any shape and returns grades
 of that shape, NaN where the point is NaN. A type-1 set is also a type-2 set without uncertainty:
-``fuzzy_set.lower`` and ``fuzzy_set.upper`` are the set itself, so that type-1 and type-2 terms mix.
+``fuzzy_set.lower`` and ``fuzzy_set.upper`` are the set itself, so type-1 and type-2 terms can be
+mixed.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ class Gaussian(Type1Set):
     Raises
     ------
     InvalidValue
-        If a parameter is outside of its range.
+        If a parameter is outside its range.
     """
 
     mean: float
@@ -104,7 +105,7 @@ class Trapezoidal(Type1Set):
     Raises
     ------
     InvalidValue
-        If the corners are not in order or the height is outside of its range.
+        If the corners are not in order or the height is outside its range.
     """
 
     a: float
@@ -165,7 +166,7 @@ class Triangular(Type1Set):
     Raises
     ------
     InvalidValue
-        If the corners are not finite and in order, or the height is outside of its range.
+        If the corners are not finite and in order, or the height is outside its range.
     """
 
     left: float
@@ -253,6 +254,6 @@ class Interval(Type1Set):
         return 1.0, self.left, self.left, self.right, self.right, 1.0, 0.0, 0.0, 0.0
 
 
-# Where a set with exponential tails is cut into pieces: exp(-745) is the last that is not zero in
-# double precision.
+# Distances at which a set with exponential tails is cut into pieces. exp(-745) is the last value
+# that is not zero in double precision.
 EXPONENTIAL_SPREAD = np.array([1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0, 745.0])

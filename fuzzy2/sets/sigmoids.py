@@ -18,7 +18,7 @@ from fuzzy2.support.checks import Array, real
 from fuzzy2.support.quadrature import merged
 
 LEAST_SLOPE = 1e-300
-"""With less a sigmoid reaches farther than floating-point numbers do."""
+"""With a smaller slope a sigmoid extends beyond the range of floats."""
 
 SLOPE = f"a finite number, {LEAST_SLOPE:g} or more from 0"
 
@@ -39,7 +39,7 @@ class Sigmoid(Type1Set):
     Raises
     ------
     InvalidValue
-        If a parameter is not finite, or the slope is 0, or so small that nothing it leads to is.
+        If a parameter is not finite, or if the slope is 0 or so small that derived points overflow.
     """
 
     center: float
@@ -55,7 +55,7 @@ class Sigmoid(Type1Set):
             raise InvalidValue("slope", self.slope, SLOPE)
 
     def _grades(self, x: Array) -> Array:
-        with np.errstate(over="ignore"):  # far out the exponent is infinite, and the grade 0 or 1
+        with np.errstate(over="ignore"):  # far out the exponent is infinite and the grade is 0 or 1
             steps = self.slope * (x - self.center)
         tail = np.exp(-abs(steps))
         return np.where(steps < 0.0, tail, 1.0) / (1.0 + tail)
@@ -91,9 +91,9 @@ class Sigmoid(Type1Set):
 
 
 class _TwoSigmoids(Type1Set):
-    """What the combinations of two sigmoids share.
+    """Base of the combinations of two sigmoids.
 
-    What has no closed form is searched as of a :class:`FunctionalSet`.
+    Properties without a closed form are found by sampling, as for a :class:`FunctionalSet`.
     """
 
     center: tuple[float, float]
@@ -116,7 +116,7 @@ class _TwoSigmoids(Type1Set):
         set_fields(self, center=centers, slope=slopes)
 
     def _steps(self, x: Array) -> tuple[Array, Array]:
-        """Return the exponents of both sigmoids at points; beyond 800 a sigmoid is 0 or 1."""
+        """Return the exponents of both sigmoids, limited to ±800, where a sigmoid is 0 or 1."""
         with np.errstate(over="ignore"):
             first, second = (
                 slope * (x - center) for center, slope in zip(self.center, self.slope, strict=True)
@@ -159,24 +159,25 @@ class _TwoSigmoids(Type1Set):
 class SigmoidDifference(_TwoSigmoids):
     r"""Absolute difference of two sigmoids.
 
-    One rises where the other has risen already, and between them the membership is near 1.
+    If both slopes have the same sign, the membership is near 1 between the two centers.
 
     .. math:: \mu(x) = \left| \frac{1}{1 + e^{-s_1 (x - c_1)}}
               - \frac{1}{1 + e^{-s_2 (x - c_2)}} \right|
 
-    With slopes that differ the sigmoids cross, and there is a second, lower maximum beyond: then
-    the set is not convex. With slopes of different signs it is a valley, with shoulders that never
-    end.
+    If the slopes differ, the sigmoids cross and there is a second, lower maximum beyond the
+    crossing, so the set is not convex. If the slopes have different signs, the set is a valley with
+    shoulders that never end.
 
     Parameters
     ----------
     center, slope : (float, float)
-        Centers and slopes of the two sigmoids; the slopes not 0, and the sigmoids not the same.
+        Centers and slopes of the two sigmoids. The slopes must not be 0, and the sigmoids must
+        differ.
 
     Raises
     ------
     InvalidValue
-        If a parameter is outside of its range.
+        If a parameter is outside its range.
     """
 
     center: tuple[float, float]
@@ -214,7 +215,8 @@ class SigmoidDifference(_TwoSigmoids):
         return self._row(9.0)
 
     def _grades(self, x: Array) -> Array:
-        # The difference as a product, which keeps its digits where both sigmoids are near 1.
+        # The difference is written as a product, which keeps its digits where both sigmoids are
+        # near 1.
         first, second = self._steps(x)
         return np.asarray(
             -np.expm1(-abs(first - second))
@@ -228,20 +230,20 @@ class SigmoidDifference(_TwoSigmoids):
             slope * logistic(steps) * logistic(-steps)
             for slope, steps in zip(self.slope, (first, second), strict=True)
         )
-        # Where the sigmoids cross, the difference rises to the right.
+        # Where the sigmoids cross, the absolute difference has a kink and rises to the right.
         rise = np.subtract(*rates)
         return np.where(first == second, abs(rise), np.sign(first - second) * rise)
 
     def is_convex(self) -> bool:
-        """Return whether the membership rises to its maximum and then falls, as sampled."""
+        """Return whether the sampled membership rises to its maximum and then falls."""
         return self._searched.is_convex()
 
 
 @dataclass(frozen=True)
 class SigmoidProduct(_TwoSigmoids):
-    r"""Product of two sigmoids, one rising and one falling.
+    r"""Product of two sigmoids, for instance of a rising and a falling one.
 
-    It is a bump with a slope of its own on each side.
+    A rising and a falling sigmoid give a bump with its own slope on each side.
 
     .. math:: \mu(x) = \frac{1}{1 + e^{-s_1 (x - c_1)}} \cdot \frac{1}{1 + e^{-s_2 (x - c_2)}}
 
@@ -250,14 +252,14 @@ class SigmoidProduct(_TwoSigmoids):
     Parameters
     ----------
     center, slope : (float, float)
-        Centers and slopes of the two sigmoids; the slopes not 0. With slopes of one sign the set is
-        a shoulder.
+        Centers and slopes of the two sigmoids. The slopes must not be 0. If they have the same
+        sign, the set is a shoulder.
 
     Raises
     ------
     InvalidValue
-        If a parameter is not finite, a slope is 0, or the sigmoids are so far apart that nothing is
-        left of their product.
+        If a parameter is not finite, a slope is 0, or the sigmoids are so far apart that their
+        product vanishes.
     """
 
     center: tuple[float, float]
@@ -270,9 +272,9 @@ class SigmoidProduct(_TwoSigmoids):
 
     @property
     def _end(self) -> float:
-        """Where the membership of a shoulder is 1: at the infinity of this sign.
+        """Infinity at which the membership of a shoulder is 1.
 
-        0 if the set is none.
+        It is 0 if the set is not a shoulder.
         """
         rising = [slope > 0.0 for slope in self.slope]
         return 0.0 if rising[0] != rising[1] else math.inf if rising[0] else -math.inf

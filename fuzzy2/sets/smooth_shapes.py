@@ -41,7 +41,7 @@ class Bell(Type1Set):
     Raises
     ------
     InvalidValue
-        If a parameter is outside of its range.
+        If a parameter is outside its range.
     """
 
     center: float
@@ -57,7 +57,7 @@ class Bell(Type1Set):
         )
 
     def _grades(self, x: Array) -> Array:
-        with np.errstate(over="ignore"):  # far out the power is infinite and the grade 0
+        with np.errstate(over="ignore"):  # far out the power is infinite
             return np.asarray(
                 1.0 / (1.0 + abs((x - self.center) / self.width) ** (2.0 * self.slope))
             )
@@ -65,8 +65,8 @@ class Bell(Type1Set):
     def _slopes(self, x: Array) -> Array:
         distance = abs(x - self.center) / self.width
         power = distance ** (2.0 * self.slope)
-        # Powers of less than 1 only: within the width that of the distance, beyond it that of its
-        # reciprocal.
+        # Only powers of numbers below 1 are taken: of the distance within the width, and of its
+        # reciprocal beyond it.
         near = distance ** (2.0 * self.slope - 1.0) / (1.0 + power) ** 2
         far = 1.0 / (distance * power * (1.0 + 1.0 / power) ** 2)
         steepness = 2.0 * self.slope / self.width * np.where(distance <= 1.0, near, far)
@@ -94,7 +94,8 @@ class Bell(Type1Set):
         )
 
     def _quadrature_points(self, power: int) -> Array:
-        # The integral beyond 2^k widths falls as 2^(-k decay). 56 halvings are double precision.
+        # The integral beyond 2^k widths falls as 2^(-k decay), so 56 halvings reach double
+        # precision.
         decay = 2.0 * self.slope - 1.0 - power
         octaves = 56.0 / decay if decay > 0.0 else math.inf
         if octaves > 1000.0 / (power + 1):
@@ -113,10 +114,9 @@ class Bell(Type1Set):
 
 @dataclass(frozen=True)
 class PiShaped(Type1Set):
-    r"""Set with smooth shoulders.
+    r"""Trapezoid-like set with smooth sides.
 
-    A trapezoid whose sides are two parabolas each, so that they meet the top and the zero without a
-    kink.
+    Each side consists of two parabolas, which meet the top and the zero line without a kink.
 
     .. math::
         \mu(x) = h \min\left(S\left(\frac{x - a}{b - a}\right),
@@ -130,14 +130,14 @@ class PiShaped(Type1Set):
     Parameters
     ----------
     a, b, c, d : float
-        Foot, shoulder, shoulder and foot in ascending order, as of a :class:`Trapezoidal`.
+        Foot, shoulder, shoulder and foot in ascending order, as for :class:`Trapezoidal`.
     height : float
         Greatest membership, in (0, 1].
 
     Raises
     ------
     InvalidValue
-        If the points are not in order or the height is outside of its range.
+        If the points are not in order or the height is outside its range.
     """
 
     a: float
@@ -151,7 +151,7 @@ class PiShaped(Type1Set):
         set_fields(self, a=checked.a, b=checked.b, c=checked.c, d=checked.d, height=checked.height)
 
     def _shares(self, x: Array) -> tuple[Array, Array]:
-        """Return how far points are up the left side and the right one, each in [0, 1]."""
+        """Return how far up the left and the right side the points are, each in [0, 1]."""
         return trapezoid(x, self.a, self.b, math.inf, math.inf, 1.0), trapezoid(
             x, -math.inf, -math.inf, self.c, self.d, 1.0
         )
@@ -204,28 +204,27 @@ class PiShaped(Type1Set):
 
 @dataclass(frozen=True)
 class TwoSidedGaussian(Type1Set):
-    r"""Gaussian with a mean and a standard deviation of its own on each side.
+    r"""Gaussian with its own mean and standard deviation on each side.
 
     .. math:: \mu(x) = \exp\left(-\frac{\max(m_1 - x, 0)^2}{2 \sigma_1^2}
               - \frac{\max(x - m_2, 0)^2}{2 \sigma_2^2}\right)
 
-    Between the means, if they are in ascending order, the membership is 1; if they are not, it
-    stays below 1.
+    If the means are in ascending order, the membership between them is 1. Otherwise it stays below
+    1.
 
     Parameters
     ----------
     mean : (m1, m2)
         Mean of the left side and of the right one.
     sigma : (s1, s2)
-        Standard deviation of the left side and of the right one, above 0. One may be infinite: a
-        shoulder that never ends. Then the mean of that side does not matter, and becomes the other
-        one.
+        Standard deviation of the left side and of the right one, above 0. If one is infinite, that
+        side is a shoulder that never ends; its mean does not matter and is set to the other one.
 
     Raises
     ------
     InvalidValue
-        If a parameter is outside of its range, or the means are so far apart in descending order
-        that nothing is left.
+        If a parameter is outside its range, or if the means are in descending order and so far
+        apart that the membership vanishes.
     """
 
     mean: tuple[float, float]
@@ -253,7 +252,7 @@ class TwoSidedGaussian(Type1Set):
 
     @property
     def height(self) -> float:
-        """Greatest membership: 1 unless the left mean is right of the right one."""
+        """Greatest membership: 1 unless the left mean is to the right of the right one."""
         return (
             math.exp(
                 -0.5 * min((self.mean[0] - self.mean[1]) / math.hypot(*self.sigma), 100.0) ** 2
@@ -267,9 +266,10 @@ class TwoSidedGaussian(Type1Set):
         return self.mean[0] > self.mean[1]
 
     def _distances(self, x: Array) -> tuple[Array, Array]:
-        """Return how far points are out on both sides, in standard deviations.
+        """Return the distances of points from the two means, in standard deviations.
 
-        On the left side and on the right one, at least 0.
+        The first is to the left of the left mean, the second to the right of the right mean; both
+        are at least 0.
         """
         (left, right), (first, second) = self.mean, self.sigma
         none = np.where(np.isnan(x), np.nan, 0.0)
@@ -280,7 +280,7 @@ class TwoSidedGaussian(Type1Set):
 
     def _grades(self, x: Array) -> Array:
         left, right = self._distances(x)
-        # far out the square is infinite and the grade 0
+        # far out the square overflows to infinity and the grade is 0
         with np.errstate(over="ignore", under="ignore"):
             return np.asarray(np.exp(-0.5 * (left**2 + right**2)))
 
@@ -315,7 +315,7 @@ class TwoSidedGaussian(Type1Set):
         high = right + second * reach if math.isfinite(second) else np.full_like(reach, math.inf)
         if not self._crossed:
             return low, high
-        # Between crossed means both sides count, and their product is a Gaussian, too.
+        # Between crossed means both sides contribute, and their product is a Gaussian as well.
         peak, _ = self._maxima()
         near = first * second / math.hypot(first, second) * gaussian_reach(alpha, 1.0, self.height)
         return np.where(peak - near >= right, peak - near, low), np.where(

@@ -15,18 +15,17 @@ from fuzzy2.support.checks import Array, maybe_infinite, real, reals, share, who
 from fuzzy2.support.quadrature import Moments, merged
 
 ROUNDING = 1e-12
-"""Grades that differ by no more than this are the same."""
+"""Grades that differ by no more than this are considered equal."""
 
 KernelRow = tuple[float, float, float, float, float, float, float, float, float]
-"""What the compiled kernels know of a set: its kind, then eight numbers; see
-:meth:`Type1Set.kernel_row`.
-"""
+"""Row of a set for the compiled kernels: its kind, then eight numbers; see
+:meth:`Type1Set.kernel_row`."""
 
 
 class Type1Set(ShownSet, ABC):
     """Base of the type-1 fuzzy sets.
 
-    A subclass gives ``height`` and the private methods that do the work of the public ones here.
+    A subclass defines ``height`` and the private methods that the public methods here call.
     """
 
     @property
@@ -36,7 +35,7 @@ class Type1Set(ShownSet, ABC):
 
     @abstractmethod
     def _grades(self, x: Array) -> Array:
-        """Return the membership of points (...,), NaN for NaN."""
+        """Return the membership at points (...,), NaN for NaN."""
 
     @abstractmethod
     def _support(self) -> tuple[float, float]: ...
@@ -49,9 +48,9 @@ class Type1Set(ShownSet, ABC):
 
     @abstractmethod
     def _cut(self, alpha: Array) -> tuple[Array, Array]:
-        """Return the ends of the cuts at grades (...,) from 0 to the height.
+        """Return the ends of the cuts at grades (...,) between 0 and the height.
 
-        What is returned for 0 does not matter.
+        The value for grade 0 is not used.
         """
 
     def _quadrature_points(self, power: int) -> Array:
@@ -68,9 +67,9 @@ class Type1Set(ShownSet, ABC):
         return None
 
     def _slopes(self, x: Array) -> Array:
-        """Return the derivative of the membership at finite points (...,), from the right.
+        """Return the right-hand derivative of the membership at finite points (...,).
 
-        What is returned for others does not matter.
+        The values at other points are not used.
         """
         raise NotApplicable("derivative", f"no formula is known for that of {repr(self)[:80]}")
 
@@ -99,12 +98,12 @@ class Type1Set(ShownSet, ABC):
         return self._grades(reals("x", x))[()]
 
     def derivative(self, x: ArrayLike) -> Array:
-        r"""Return the derivative of the membership from the right.
+        r"""Return the right-hand derivative of the membership.
 
         It is :math:`\lim_{h \downarrow 0} (\mu(x + h) - \mu(x + 0)) / h`.
 
-        At a kink it is the slope of what follows. A jump counts for nothing: at a vertical edge,
-        too, it is the slope of what follows.
+        At a kink it is the slope to the right. Jumps are ignored: at a vertical edge, too, it is
+        the slope to the right.
 
         Parameters
         ----------
@@ -124,7 +123,7 @@ class Type1Set(ShownSet, ABC):
             If the membership is a function whose derivative is not known.
         """
         points = reals("x", x)
-        with np.errstate(all="ignore"):  # far out squares and powers are infinite, and the slope 0
+        with np.errstate(all="ignore"):  # far out squares and powers are infinite
             slopes = np.asarray(
                 self._slopes(np.where(np.isfinite(points), points, 0.0)), dtype=float
             )
@@ -132,17 +131,17 @@ class Type1Set(ShownSet, ABC):
 
     @property
     def lower(self) -> Type1Set:
-        """Lower membership function: that of a type-1 set is the set itself."""
+        """Lower membership function: for a type-1 set, the set itself."""
         return self
 
     @property
     def upper(self) -> Type1Set:
-        """Upper membership function: that of a type-1 set is the set itself."""
+        """Upper membership function: for a type-1 set, the set itself."""
         return self
 
     @property
     def principal(self) -> Type1Set:
-        """Principal membership function: that of a type-1 set is the set itself."""
+        """Principal membership function: for a type-1 set, the set itself."""
         return self
 
     def secondary(self, x: float) -> Singleton:
@@ -150,13 +149,13 @@ class Type1Set(ShownSet, ABC):
         return Singleton(float(self.membership(real("x", x))))
 
     def alpha_plane(self, alpha: float) -> Type1Set:
-        """Return the set itself: its secondary grades are all 1."""
+        """Return the set itself, because its secondary grades are all 1."""
         share("alpha", alpha)
         return self
 
     @property
     def support(self) -> tuple[float, float]:
-        """Ends of the smallest closed interval outside of which the membership is 0.
+        """Ends of the smallest closed interval outside which the membership is 0.
 
         They may be infinite.
         """
@@ -166,20 +165,20 @@ class Type1Set(ShownSet, ABC):
     def maxima(self) -> tuple[float, float] | None:
         """First and last point of the greatest membership.
 
-        None if it is approached but never reached.
+        It is None if the greatest membership is approached but never reached.
         """
         return self._maxima()
 
     @property
     def core(self) -> tuple[float, float] | None:
-        """First and last point of membership 1; None if there is none."""
+        """First and last point of membership 1, or None if there is none."""
         return self._maxima() if self.height >= 1.0 - ROUNDING else None
 
     @property
     def landmarks(self) -> Array:
         """Ascending finite points between which the membership is smooth.
 
-        Beyond them little happens.
+        Beyond them the membership hardly changes.
         """
         return self._landmarks()
 
@@ -190,7 +189,7 @@ class Type1Set(ShownSet, ABC):
     def is_convex(self) -> bool:
         """Return whether every α-cut is an interval.
 
-        Then the membership rises to its maximum and then falls.
+        Equivalently, the membership rises to its maximum and then falls.
         """
         return True
 
@@ -212,7 +211,7 @@ class Type1Set(ShownSet, ABC):
         InvalidValue
             If a grade is negative or above the height.
         NotApplicable
-            If the set is not convex: its cuts are not intervals.
+            If the set is not convex, because its cuts are then not intervals.
         """
         grades = reals("alpha", alpha)
         if not ((grades >= 0.0) & (grades <= self.height + ROUNDING)).all():
@@ -234,9 +233,9 @@ class Type1Set(ShownSet, ABC):
         return np.where(grades > 0.0, left, first)[()], np.where(grades > 0.0, right, last)[()]
 
     def quadrature_points(self, power: int = 1) -> Array:
-        r"""Return ascending points to integrate :math:`|x|^{power} \mu(x)` over.
+        r"""Return ascending points over which to integrate :math:`|x|^{power} \mu(x)`.
 
-        They go from end to end; the power is 0 or 1.
+        They span the whole domain. The power is 0 or 1.
 
         Raises
         ------
@@ -246,10 +245,10 @@ class Type1Set(ShownSet, ABC):
         return self._quadrature_points(power)
 
     def moments(self, origin: float, power: int = 1) -> Moments:
-        """Return area and first moment about ``origin``.
+        """Return area and first moment of the membership about ``origin``.
 
-        Those of the membership, whole and up to any point. The power is 0 if it is the area only
-        that is asked for, which may be finite where the moment is not.
+        They are available for the whole domain and up to any point. The power is 0 if only the area
+        is needed, which may be finite even if the moment is not.
         """
         about = real("origin", origin)
         if whole_number("power", power, 0) > 1:
@@ -264,7 +263,7 @@ class Type1Set(ShownSet, ABC):
         Returns
         -------
         float
-            The centroid; of a single point, the point.
+            The centroid; for a singleton, its point.
 
         Raises
         ------
@@ -299,15 +298,15 @@ class Type1Set(ShownSet, ABC):
     def kernel_row(self) -> KernelRow | None:
         """Return the set as a row of numbers for the compiled kernels.
 
-        None if only Python can evaluate it.
+        It is None if only Python can evaluate the set.
 
         Returns
         -------
         tuple of 9 floats or None
-            ``(0, m1, m2, sigma_lower, sigma_upper, height_lower, height_upper, 0, 0)``: a pair of
-            Gaussians, the upper one about the mean nearest to the point between m1 and m2, the
-            lower one about the end that is farther from it. ``(1, a, b, c, d, height, 0, 0, 0)``: a
-            trapezoid. Other kinds are those of :mod:`fuzzy2.systems.shape_kernels`.
+            ``(0, m1, m2, sigma_lower, sigma_upper, height_lower, height_upper, 0, 0)`` is a pair of
+            Gaussians. The upper one has the mean in [m1, m2] that is nearest to the point, the
+            lower one has m1 or m2, whichever is farther. ``(1, a, b, c, d, height, 0, 0, 0)`` is a
+            trapezoid. :mod:`fuzzy2.systems.shape_kernels` lists the other kinds.
         """
         return self._kernel_row()
 
@@ -357,21 +356,23 @@ class Singleton(Type1Set):
 class SampledSet(Type1Set):
     """Set given by points and their grades: a discrete set, or samples of a continuous one.
 
-    Between the points the membership is interpolated linearly, outside of them it is 0. As a
-    discrete set it is ``.points`` with ``.grades``; joins, meets and embedded sets read it so.
+    Between the points the membership is interpolated linearly; outside them it is 0. As a discrete
+    set it consists of ``.points`` with ``.grades``, which is how joins, meets and embedded sets
+    read it.
 
     Parameters
     ----------
     points : (N,) array_like
-        Points, in any order. Those within 1e-12 of each other (less, relatively, for points below
-        1e-6) are one, of the greatest of their grades.
+        Points, in any order. Points within 1e-12 of each other (for points below 1e-6, within a
+        relative distance) are merged and keep the greatest of their grades.
     grades : (N,) array_like
         Grades in [0, 1], not all of them 0.
 
     Raises
     ------
     InvalidValue
-        If the points are not finite, or the grades not in [0, 1], or their numbers differ or are 0.
+        If the points are not finite, if the grades are not in [0, 1], or if there are no points or
+        not as many grades as points.
     """
 
     points: Array
@@ -387,8 +388,8 @@ class SampledSet(Type1Set):
             raise InvalidValue("grades", grades, f"in [0, 1], one for each of the {x.size} points")
         order = np.argsort(x, kind="stable")
         x, u = x[order], np.minimum(u[order], 1.0)
-        # The distance at which points merge is absolute in the unit interval, and must not swallow
-        # whole sets of tiny numbers.
+        # The merging distance is absolute in the unit interval, but must not merge whole sets of
+        # tiny numbers.
         apart = min(ROUNDING, 1e-6 * max(-float(x[0]), float(x[-1])))
         starts = np.flatnonzero(np.concatenate([[True], np.diff(x) > apart]))
         x, u = x[starts], np.maximum.reduceat(u, starts)
@@ -403,7 +404,7 @@ class SampledSet(Type1Set):
         )
 
     def __hash__(self) -> int:
-        # Zeros of both signs are equal, so they must hash alike.
+        # Both signed zeros are equal, so they must have the same hash.
         return hash(((self.points + 0.0).tobytes(), (self.grades + 0.0).tobytes()))
 
     def __len__(self) -> int:
@@ -421,8 +422,7 @@ class SampledSet(Type1Set):
         return np.interp(x, self.points, self.grades, left=0.0, right=0.0)
 
     def _slopes(self, x: Array) -> Array:
-        # Nothing before the first point, the slopes between the points, nothing from the last point
-        # on.
+        # The slope is 0 before the first point and from the last point on.
         slopes = np.concatenate([[0.0], np.diff(self.grades) / np.diff(self.points), [0.0]])
         return np.asarray(slopes[np.searchsorted(self.points, x, side="right")])
 
@@ -449,7 +449,7 @@ class SampledSet(Type1Set):
         return left, right
 
     def is_convex(self) -> bool:
-        """Return whether the grades rise to their maximum and then fall, up to rounding."""
+        """Return whether the grades rise to their maximum and then fall, up to rounding errors."""
         envelope = np.minimum(
             np.maximum.accumulate(self.grades), np.maximum.accumulate(self.grades[::-1])[::-1]
         )
@@ -457,9 +457,9 @@ class SampledSet(Type1Set):
 
 
 def _first_reach(alpha: Array, points: Array, grades: Array) -> Array:
-    """Return the first point at which grades between ascending points reach alpha (...,).
+    """Return the first points at which interpolated grades reach alpha (...,).
 
-    Grades are interpolated.
+    Points are ascending, and grades between them are interpolated.
     """
     envelope = np.maximum.accumulate(grades)
     after = np.minimum(np.searchsorted(envelope, alpha - ROUNDING, side="left"), len(points) - 1)
@@ -484,10 +484,10 @@ def set_fields(frozen: object, **fields: object) -> None:
 def pair_of_numbers(name: str, values: object, requirement: str) -> tuple[float, float]:
     """Return a pair of numbers, which may be infinite.
 
-    Raise :class:`InvalidValue` if it is none.
+    Raise :class:`InvalidValue` if it is not a pair.
     """
     try:
-        # whatever is no pair is refused below
+        # anything that is not a pair is refused below
         first, second = list(values)  # type: ignore[call-overload]
     except (TypeError, ValueError) as error:
         raise InvalidValue(name, values, requirement) from error

@@ -1,4 +1,4 @@
-"""The membership functions that bound a Gaussian with uncertain mean."""
+"""The membership functions that bound a Gaussian with an uncertain mean."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from fuzzy2.support.quadrature import merged
 
 @dataclass(frozen=True)
 class NearestMeanGaussian(Type1Set):
-    """Upper membership function of a Gaussian with uncertain mean.
+    """Upper membership function of a Gaussian with an uncertain mean.
 
-    1 between the means, a Gaussian outside.
+    It is 1 between the means and a Gaussian outside them.
 
     Parameters
     ----------
@@ -65,9 +65,9 @@ class NearestMeanGaussian(Type1Set):
 
 @dataclass(frozen=True)
 class FarthestMeanGaussian(Type1Set):
-    """Lower membership function of a Gaussian with uncertain mean.
+    """Lower membership function of a Gaussian with an uncertain mean.
 
-    The smaller of the Gaussians about the two means.
+    It is the smaller of the two Gaussians with the extreme means.
 
     Parameters
     ----------
@@ -98,8 +98,8 @@ class FarthestMeanGaussian(Type1Set):
         return gaussian(x, np.where(x > self._middle, *self.mean), self.sigma)
 
     def _slopes(self, x: Array) -> Array:
-        # In the middle both Gaussians are equal; the one about the smaller mean is the lower one
-        # behind it.
+        # Both Gaussians are equal midway between the means; to the right, the one with the smaller
+        # mean is lower.
         return gaussian_slopes(x, np.where(x >= self._middle, *self.mean), self.sigma)
 
     def _support(self) -> tuple[float, float]:
@@ -110,7 +110,7 @@ class FarthestMeanGaussian(Type1Set):
 
     def _cut(self, alpha: Array) -> tuple[Array, Array]:
         reach = gaussian_reach(alpha, self.sigma)
-        # Where alpha is the height both ends are the middle, and rounding must not exchange them.
+        # If alpha is the height, both ends are the middle, and rounding must not swap them.
         return np.minimum(self.mean[1] - reach, self._middle), np.maximum(
             self.mean[0] + reach, self._middle
         )

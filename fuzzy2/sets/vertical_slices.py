@@ -1,4 +1,4 @@
-"""Vertical slices of general type-2 sets: their maxima, their cuts and what lies between two."""
+"""Vertical slices of general type-2 sets: maxima, cuts, and interpolation between two slices."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from fuzzy2.sets.type1 import ROUNDING, SampledSet, Type1Set, keep_nan, set_fiel
 from fuzzy2.support.checks import Array, ascending, grade
 from fuzzy2.support.quadrature import merged
 
-# of the α-cuts that are interpolated between two continuous vertical slices
+# number of α-cuts that are interpolated between two continuous vertical slices
 LEVELS_BETWEEN_SLICES = 257
 
 
@@ -20,14 +20,14 @@ LEVELS_BETWEEN_SLICES = 257
 class Staircase(Type1Set):
     """Convex set of stacked intervals, each with the grade of its level.
 
-    The vertical slice of zSlices.
+    It is the vertical slice of a set of zSlices.
 
     Parameters
     ----------
     levels : sequence of K floats
         Grades in (0, 1], ascending.
     lefts, rights : sequences of K floats
-        Ends of the intervals, each of which lies within the one before it up to rounding.
+        Ends of the intervals. Each interval lies within the one before it, up to rounding errors.
 
     Raises
     ------
@@ -49,7 +49,7 @@ class Staircase(Type1Set):
                 (self.lefts, self.rights),
                 f"{len(levels)} ends each, one for each level",
             )
-        # Nested planes may be exchanged by rounding where they touch.
+        # Rounding may swap the ends of nested planes where they touch.
         tidy_lefts, tidy_rights = np.maximum.accumulate(lefts), np.minimum.accumulate(rights)
         strays = np.max(tidy_lefts - lefts) > ROUNDING or np.max(rights - tidy_rights) > ROUNDING
         if strays or (tidy_lefts > tidy_rights + 2.0 * ROUNDING).any():
@@ -72,7 +72,7 @@ class Staircase(Type1Set):
         return self.levels[-1]
 
     def _grades(self, x: Array) -> Array:
-        # Ends may be rounded differently from the points that are asked for.
+        # The ends may be rounded differently from the evaluated points.
         inside = (x[..., None] >= np.array(self.lefts) - ROUNDING) & (
             x[..., None] <= np.array(self.rights) + ROUNDING
         )
@@ -96,7 +96,7 @@ class Staircase(Type1Set):
 
 
 def maxima_of(vertical_slice: Type1Set) -> tuple[float, float]:
-    """Return the ends of the memberships of greatest grade; refuse a slice that has none."""
+    """Return the first and last membership of greatest grade; refuse a slice that has none."""
     maxima = vertical_slice.maxima
     if maxima is None:
         raise NotApplicable(
@@ -109,7 +109,7 @@ def maxima_of(vertical_slice: Type1Set) -> tuple[float, float]:
 def cuts_of(
     slices: Sequence[Type1Set], alpha: float, shape: tuple[int, ...]
 ) -> tuple[Array, Array]:
-    """Return the ends of the α-cuts of vertical slices, 0 where a slice is lower than alpha."""
+    """Return the ends of the α-cuts of vertical slices; 0 where a slice stays below alpha."""
     ends = np.zeros((len(slices), 2))
     for i, vertical_slice in enumerate(slices):
         if alpha == 0.0:
@@ -120,16 +120,17 @@ def cuts_of(
 
 
 def slice_between(before: Type1Set, after: Type1Set, share: float) -> SampledSet:
-    """Return the slice that lies a share of the way from one slice to another.
+    """Return the slice that lies a given share of the way from one slice to another.
 
-    So do its α-cuts.
+    Its α-cuts are interpolated with the same share.
     """
     highest = min(before.height, after.height)
     if isinstance(before, SampledSet) and isinstance(after, SampledSet):
-        # between them both sides of both slices are straight
+        # both sides of both slices are straight between the levels
         levels = merged(before.grades, after.grades, highest)
     else:
-        # Denser toward both ends, where a rounded slice opens as a square root of the level.
+        # Levels are denser toward both ends, where a rounded slice opens as a square root of the
+        # level.
         levels = highest * np.sin(np.linspace(0.0, 0.5 * np.pi, LEVELS_BETWEEN_SLICES)) ** 2
     levels = levels[levels <= highest]
     (left0, right0), (left1, right1) = before.alpha_cut(levels), after.alpha_cut(levels)

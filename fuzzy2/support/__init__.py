@@ -1,1 +1,1 @@
-"""What all of fuzzy2 uses: checks of arguments, compilation, files, quadrature, lazy names."""
+"""Common tools of fuzzy2: argument checks, compilation, files, quadrature, lazy imports."""

@@ -1,6 +1,6 @@
-"""Announcements of compilation: it takes seconds, once, in which nothing else seems to happen.
+"""Announcements of compilation, which takes seconds the first time and looks like a hang.
 
-How long it takes follows roughly from how much code a function has, with all that it calls.
+The time is estimated from the size of the code of a function and of all functions that it calls.
 """
 
 from __future__ import annotations
@@ -10,19 +10,19 @@ from contextlib import AbstractContextManager, contextmanager
 from typing import Any, NamedTuple
 
 RATE = 4000.0
-"""Bytes of Python's code that are compiled in a second on a machine of 2020."""
+"""Bytes of Python code that a machine of 2020 compiles per second."""
 
 TOLD = 2.0
-"""Nobody is told of what takes less time [s]."""
+"""Compilations that take less time [s] are not announced."""
 
 
 class Compilation(NamedTuple):
     """A function that is about to be compiled."""
 
     name: str
-    """Its module and its name."""
+    """Module and name of the function."""
     seconds: float
-    """How long that takes, roughly [s]."""
+    """Estimated compilation time [s]."""
 
     def __str__(self) -> str:
         return f"compiling once, about {self.seconds:.0f} s: {self.name}"
@@ -33,12 +33,12 @@ _listeners: list[Callable[[Compilation], AbstractContextManager[None]]] = []
 
 @contextmanager
 def announced_by(show: Callable[[Compilation], AbstractContextManager[None]]) -> Iterator[None]:
-    """Have long compilations shown in place of logged.
+    """Have long compilations shown instead of logged.
 
     Parameters
     ----------
     show : callable
-        From a compilation to a context in which it takes place.
+        Returns, for a compilation, the context manager in which it runs.
     """
     _listeners.append(show)
     try:
@@ -51,7 +51,7 @@ def announced_by(show: Callable[[Compilation], AbstractContextManager[None]]) ->
 def announced(
     function: Callable[..., Any], kinds: Iterable[Any], work: float = 1.0
 ) -> Iterator[None]:
-    """Tell that a function is compiled, if that takes long.
+    """Announce the compilation of a function if it takes long.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def announced(
     kinds : iterable
         Numba's types of its arguments.
     work : float
-        How many times as long it takes as of a scalar function.
+        Compilation time relative to that of a scalar function.
     """
     seconds = work * size_of_code(function, _tables_among(kinds)) / RATE
     coming = Compilation(f"{function.__module__}.{function.__name__}", seconds)
@@ -70,7 +70,7 @@ def announced(
         with _listeners[-1](coming):
             yield
     else:
-        # Only here: the command line asks for this module before it knows what it has to do.
+        # Imported here, because the command line imports this module before it knows what to do.
         import logging
 
         logging.getLogger(__name__).warning("%s", coming)
@@ -78,14 +78,15 @@ def announced(
 
 
 def size_of_code(function: Callable[..., Any], tables: frozenset[Any] = frozenset()) -> int:
-    """Return the bytes of a function's code in Python, and of all that it calls, each once.
+    """Return the bytes of Python code of a function and of all functions that it calls, each once.
 
     Parameters
     ----------
     function : callable
         The function in Python.
     tables : frozenset of class
-        Kinds of tables: of what is chosen by one the bodies for these count.
+        Kinds of tables; of functions that are chosen by table, only the bodies for these are
+        counted.
     """
     seen: set[Any] = set()
     left: list[Any] = [function]
@@ -101,13 +102,13 @@ def size_of_code(function: Callable[..., Any], tables: frozenset[Any] = frozense
             bodies = getattr(value, "bodies", None)
             called = [bodies[one] for one in tables if one in bodies] if bodies else [value]
             left += [one.py_func for one in called if hasattr(one, "py_func")]
-            # Bodies are compiled where they are called from.
+            # Bodies are compiled into their callers.
             left += [one for one in called if bodies and not hasattr(one, "py_func")]
     return size
 
 
 def _tables_among(kinds: Iterable[Any]) -> frozenset[Any]:
-    """Return the classes of tables that arguments are, or hold."""
+    """Return the classes of tables among the arguments or within them."""
     found: set[Any] = set()
     for kind in kinds:
         table = getattr(kind, "instance_class", None)

@@ -1,8 +1,8 @@
-"""What a reader takes: so many bytes of a file, so much in it, and no more.
+"""Limits of what a reader accepts: the size of a file and the number of its elements.
 
-A file from elsewhere may be made to fill the memory or to take hours. So every reader of both
-packages looks at these bounds before it makes anything of a file. Files that people write are far
-below them; ``docs/robot_files.md`` says them in words, with those of single formats.
+A malicious file could fill the memory or take hours to read. So every reader of both packages
+checks these limits before it processes a file. Ordinary files are far below them.
+``docs/robot_files.md`` lists them, together with the limits of single formats.
 """
 
 from __future__ import annotations
@@ -13,33 +13,34 @@ import os
 from fuzzy2.support.checks import named_path
 
 LARGEST_TEXT = 16 * 2**20
-"""Bytes of a file that is text."""
+"""Greatest size of a text file, in bytes."""
 
 LARGEST_NUMBERS = 64 * 2**20
-"""Bytes of a file of numbers in words: a table, a mesh, a map, a controller."""
+"""Greatest size of a file of numbers in text form, such as a table, mesh, map or controller, in
+bytes."""
 
 DEEPEST = 200
-"""So many elements, lists or objects may be in each other."""
+"""Greatest depth of nested elements, lists or objects."""
 
 MOST_ELEMENTS = 100_000
-"""Elements of an XML file, those that it includes and copies among them."""
+"""Greatest number of elements of an XML file, including included and copied ones."""
 
 MOST_PARTS = 1_000_000
-"""Lists, objects and keys of a JSON file."""
+"""Greatest number of lists, objects and keys of a JSON file."""
 
 LONGEST_REASON = 2000
-"""Characters of an error message about a file, whatever stands in the file."""
+"""Greatest length of an error message about a file, whatever the file contains."""
 
 
 def content_of(path: str | os.PathLike[str], most: int = LARGEST_TEXT) -> bytes:
-    """Return the bytes of a file that has at most so many.
+    """Return the bytes of a file, whose size is limited.
 
     Raises
     ------
     InvalidValue
-        If it is no path.
+        If ``path`` is not a path.
     OSError
-        If the file cannot be read, or has more; ``strerror`` says so.
+        If the file cannot be read or is too large; ``strerror`` says which.
     """
     with open(named_path(path), "rb") as file:
         content = file.read(most + 1)
@@ -50,7 +51,7 @@ def content_of(path: str | os.PathLike[str], most: int = LARGEST_TEXT) -> bytes:
 
 
 def shortened(text: str, most: int = LONGEST_REASON) -> str:
-    """Return a text, or its begin and its end, where the remedy stands, if it is longer."""
+    """Return a text, or its beginning and its end, which holds the remedy, if it is too long."""
     if len(text) <= most:
         return text
     return f"{text[: 2 * most // 3]} [...] {text[-most // 3 :]}"

@@ -1,6 +1,6 @@
-"""Checks of arguments that every module shares.
+"""Checks of arguments, which all modules share.
 
-A real number in its range, or an error that says which.
+They return a valid value, or raise an error that names the argument and its valid range.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from fuzzy2.errors import InvalidValue, UnknownName
 Array = NDArray[np.float64]
 
 MOST = 1_000_000
-"""More terms, points or rules than this are a slip of the pen, and would not fit into memory."""
+"""More terms, points or rules than this are surely a mistake, and would not fit into memory."""
 
 
 def real(name: str, value: object, requirement: str = "a finite number") -> float:
@@ -39,9 +39,9 @@ def real(name: str, value: object, requirement: str = "a finite number") -> floa
 def maybe_infinite(name: str, value: object, requirement: str = "a number") -> float:
     """Return ``value`` as a float that may be infinite.
 
-    Raise :class:`InvalidValue` if it is not a real number.
+    Raise :class:`InvalidValue` if it is not a real number. Infinity is accepted.
     """
-    # NumPy makes numbers of complex ones and of dates.
+    # NumPy would convert complex numbers and dates to floats.
     if isinstance(value, str | bytes | bool | np.ma.MaskedArray | complex) or (
         isinstance(value, np.generic | np.ndarray) and value.dtype.kind not in "fiu"
     ):
@@ -83,7 +83,7 @@ def share(name: str, value: object, requirement: str = "in [0, 1]") -> float:
 
 
 def true_or_false(name: str, value: object) -> bool:
-    """Return ``value`` as a bool; raise :class:`InvalidValue` if it is none."""
+    """Return ``value`` as a bool; raise :class:`InvalidValue` if it is not a bool."""
     of_kind(name, value, (bool, np.bool_), "True or False")
     return bool(value)
 
@@ -97,8 +97,8 @@ def ascending(name: str, values: tuple[float, ...]) -> None:
 def reals(name: str, values: ArrayLike, requirement: str = "real numbers") -> Array:
     """Return ``values`` as an array of floats, which may be NaN.
 
-    Raise :class:`InvalidValue` if they are not real numbers, or some of them are masked: what is
-    under a mask is not meant to be computed with.
+    Raise :class:`InvalidValue` if they are not real numbers, or if some of them are masked, because
+    masked values must not be used.
     """
     if isinstance(values, np.ma.MaskedArray):
         raise InvalidValue(
@@ -106,13 +106,14 @@ def reals(name: str, values: ArrayLike, requirement: str = "real numbers") -> Ar
         )
     try:
         array = np.asarray(values)
-        # Of objects text would be read as numbers, dates as days, and None as NaN.
+        # In object arrays, text would be converted to numbers, dates to days, and None to NaN.
         if array.dtype.kind in "fiub" or (
             array.dtype.kind == "O"
             and all(isinstance(value, numbers.Real | decimal.Decimal) for value in array.flat)
         ):
-            # In one order, so that neither sums nor what numba compiles hang on it; and of what is
-            # read-only numba would compile every kernel anew.
+            # Arrays are contiguous, so that neither sums nor numba's types depend on the memory
+            # layout, and writable, because numba would compile every kernel again for read-only
+            # arrays.
             floats = np.asarray(array, dtype=np.float64, order="C")
             return floats if floats.flags.writeable else floats.copy()
     except (TypeError, ValueError, OverflowError) as error:
@@ -121,7 +122,7 @@ def reals(name: str, values: ArrayLike, requirement: str = "real numbers") -> Ar
 
 
 def whole_number(name: str, value: object, least: int, most: int = MOST) -> int:
-    """Return a whole number from the least to the greatest one; refuse anything else."""
+    """Return a whole number between the least and the greatest one; refuse anything else."""
     if (
         isinstance(value, bool | np.bool_)
         or not isinstance(value, int | np.integer)
@@ -140,28 +141,28 @@ def known_name(what: str, name: object, known: Collection[str]) -> str:
 
 
 def is_path(path: object) -> bool:
-    """Tell whether something is the path of a file: text or a path that a file system can name.
+    """Return whether a value is the path of a file: text or a path that a file system can name.
 
-    Whole numbers are none: Python would take them for files that are open already.
+    Whole numbers are refused, because Python would take them as descriptors of open files.
     """
     if not isinstance(path, str | os.PathLike):
         return False
     try:
         name = os.fsencode(path)
-    except (TypeError, ValueError):  # half a character, or what says of itself that it is a path
+    except (TypeError, ValueError):  # a lone surrogate, or an object that claims to be a path
         return False
     return bool(name) and b"\0" not in name
 
 
 def named_path(path: object) -> str | os.PathLike[str]:
-    """Return the path of a file; raise :class:`InvalidValue` if it is none."""
+    """Return the path of a file; raise :class:`InvalidValue` if it is not a path."""
     if isinstance(path, str | os.PathLike) and is_path(path):
         return path
     raise InvalidValue("path", path, "the path of a file, as text or pathlib.Path")
 
 
 def listed(name: str, values: Iterable[Any], requirement: str) -> tuple[Any, ...]:
-    """Return what a list holds; raise :class:`InvalidValue` if it is none, such as a text."""
+    """Return the items of a list; raise :class:`InvalidValue` for anything else, such as text."""
     if not isinstance(values, str | bytes | np.ma.MaskedArray):
         try:
             return tuple(values)
@@ -171,19 +172,19 @@ def listed(name: str, values: Iterable[Any], requirement: str) -> tuple[Any, ...
 
 
 def function(name: str, value: object) -> None:
-    """Raise :class:`InvalidValue` if something cannot be called."""
+    """Raise :class:`InvalidValue` if a value is not callable."""
     if not callable(value):
         raise InvalidValue(name, value, "a function")
 
 
 def of_kind(name: str, value: Any, kinds: type | tuple[type, ...], requirement: str) -> None:
-    """Raise :class:`InvalidValue` if something is not of the kinds that are asked for."""
+    """Raise :class:`InvalidValue` if a value is not of one of the expected types."""
     if not isinstance(value, kinds):
         raise InvalidValue(name, value, requirement)
 
 
 def generator(name: str, value: object) -> np.random.Generator:
-    """Return a source of random numbers; raise :class:`InvalidValue` if it is none."""
+    """Return a source of random numbers; raise :class:`InvalidValue` if it is not a generator."""
     requirement = "a numpy.random.Generator, such as numpy.random.default_rng(0)"
     if not isinstance(value, np.random.Generator):
         raise InvalidValue(name, value, requirement)
@@ -191,7 +192,7 @@ def generator(name: str, value: object) -> np.random.Generator:
 
 
 def broadcast(names: str, *arrays: Array) -> tuple[Array, ...]:
-    """Return arrays of one shape; raise :class:`InvalidValue` if theirs do not go together."""
+    """Return broadcast arrays; raise :class:`InvalidValue` if their shapes do not match."""
     try:
         return tuple(np.broadcast_arrays(*arrays))
     except ValueError as error:
@@ -201,12 +202,12 @@ def broadcast(names: str, *arrays: Array) -> tuple[Array, ...]:
 
 @contextlib.contextmanager
 def overflow_refused(what: str, error: type[InvalidValue] = InvalidValue) -> Iterator[None]:
-    """Raise an error where numbers overflow, or an answer is no number.
+    """Raise an error if numbers overflow or a result is NaN.
 
     Parameters
     ----------
     what : str
-        What is refused then.
+        Name of what the error refuses.
     error : type
         Class of the error.
     """
@@ -219,10 +220,10 @@ def overflow_refused(what: str, error: type[InvalidValue] = InvalidValue) -> Ite
 
 
 def binary_exponent(values: Array) -> int:
-    """Return n for which values divided by :math:`2^n` can be squared and added up.
+    """Return n such that values divided by :math:`2^n` can be squared and added without overflow.
 
-    It is 0 unless the greatest is so large or small that squares leave the range of floats, so that
-    ordinary results do not change by scaling.
+    It is 0 unless the greatest value is so large or small that its square would overflow or
+    underflow. So ordinary results are not changed by the scaling.
     """
     greatest = float(np.max(np.abs(values), initial=0.0))
     exponent = math.frexp(greatest)[1] - 1

@@ -1,23 +1,23 @@
-"""Files of machine code that several processes may write at the same time, and a disk may damage.
+"""Files of machine code that several processes may write at once, and that a disk may damage.
 
-Numba numbers the files of a function's code, one for each types of arguments, and looks in an index
-for the next free number. Two processes that compile one function for different types at the same
-time take the same number: the index of one then leads to the code of the other, which computes
-something else without an error. Here the name of a file follows from what it is compiled for and
-from, so that nothing but the same code has the same name.
+Numba numbers the files of a function's code, one for each combination of argument types, and takes
+the next free number from an index. Two processes that compile one function for different types at
+the same time take the same number. The index of one process then leads to the code of the other,
+which silently computes something else. Here the name of a file follows from the types and the
+sources, so only equal code has the same name.
 
-Numba keeps code as long as the file of its function is the same, though the function calls others
-whose files have changed. Here code is kept as long as all modules are the same that
-:mod:`fuzzy2.support.code_stamp` finds.
+Numba keeps code as long as the file of its function is unchanged, even if the function calls others
+whose files have changed. Here code is kept as long as all modules that
+:mod:`fuzzy2.support.code_stamp` finds are unchanged.
 
-Python without docstrings and checks (``-OO``) has other bytecode of the same sources, of which the
-same machine code is made: here it is found by what the sources are, not the bytecode.
+Python without docstrings and assertions (``-OO``) makes different bytecode from the same sources,
+but the machine code is the same. So machine code is identified by the sources, not by the bytecode.
 
-Numba leaves code beside the sources. Here it is in a folder of the user's
-(:mod:`fuzzy2.support.code_folder`), so that nothing of a package is left where it is uninstalled.
+Numba stores code beside the sources. Here it is in a folder of the user
+(:mod:`fuzzy2.support.code_folder`), so nothing is left behind when a package is uninstalled.
 
-Numba runs whatever a file holds. Here a file begins with a checksum. What is damaged, cannot be
-read or cannot be written is no reason to fail: the code is compiled anew, with a warning.
+Numba runs the content of any file. Here a file begins with a checksum. If a file is damaged, or
+cannot be read or written, the code is compiled again with a warning instead of an error.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from fuzzy2.support.code_folder import code_folder, name_for
 from fuzzy2.support.code_stamp import COMPILER, VERSIONS, stamp_of_kernels
 
 CHECKSUM = hashlib.sha256().digest_size
-"""Bytes at the beginning of a file."""
+"""Number of bytes of the checksum, at the beginning of a file."""
 
 
 def _folder_of(module: str) -> Path | None:
@@ -59,7 +59,7 @@ class CodeFiles(IndexDataCacheFile):
 
     @classmethod
     def instead_of(cls, files: IndexDataCacheFile, module: str) -> CodeFiles:
-        """Return files in the same place, for the same sources.
+        """Return files in the same place, identified by the sources.
 
         Parameters
         ----------
@@ -72,8 +72,8 @@ class CodeFiles(IndexDataCacheFile):
         own.__dict__.update(files.__dict__)
         folders = {COMPILER.parent, _folder_of(module) or COMPILER.parent}
         own._source_stamp = (own._source_stamp, stamp_of_kernels(*sorted(folders)))
-        # Of another version of numba or Python the name is another: what is there is damaged, or
-        # can be used.
+        # Another version of numba or Python uses another name, so a file of this name is either
+        # usable or damaged.
         base = own._index_name.removesuffix(".nbi")
         own._index_name = f"{base}.{_digest().hexdigest()[:8]}.nbi"
         own._index_path = own._data_path(own._index_name)
@@ -81,12 +81,12 @@ class CodeFiles(IndexDataCacheFile):
         return kept
 
     def save(self, key: Any, data: Any) -> None:
-        """Keep code under its types, so that an index never leads to what is not yet there.
+        """Store code for its types; the index never leads to a file that does not exist yet.
 
         Parameters
         ----------
         key : tuple
-            What it is compiled for.
+            Types for which the code is compiled.
         data : object
             The code.
         """
@@ -95,7 +95,8 @@ class CodeFiles(IndexDataCacheFile):
         base = files._index_name.removesuffix(".nbi")
         name = f"{base}.{_digest(what).hexdigest()[:20]}.nbc"
         files._save_data(name, data)
-        # Read as late as possible: of two processes one may lose its entry, and compiles again.
+        # The index is read as late as possible. If two processes write at once, one may lose its
+        # entry and compile again.
         files._save_index({**files._load_index(), key: name})
 
     def _load_index(self) -> Any:
@@ -123,7 +124,7 @@ class CodeFiles(IndexDataCacheFile):
         self._write(name, data)
 
     def _read(self, name: str) -> Any:
-        """Return what a file holds, or None if it is not there or not what was written."""
+        """Return the content of a file, or None if it is missing or damaged."""
         files: Any = self
         try:
             content = Path(files._data_path(name)).read_bytes()
@@ -133,7 +134,7 @@ class CodeFiles(IndexDataCacheFile):
             _warn(files._cache_path, f"a file there cannot be read ({error.strerror})")
             return None
         pickled = content[CHECKSUM:]
-        # Of its name, too: one file is not another one.
+        # The checksum includes the name, so that one file cannot stand in for another.
         if content[:CHECKSUM] != _digest(name.encode(), pickled).digest():
             _warn(files._cache_path, "a file there is damaged")
             return None
@@ -148,17 +149,17 @@ class CodeFiles(IndexDataCacheFile):
 
 
 class _Place:
-    """Where the files of a function's code are, as numba asks for it."""
+    """The place of a function's code files, with the interface that numba expects."""
 
     def __init__(self, folder: Path, function: Any, path: Path) -> None:
         self._folder, self._path = folder, path
         self._line = function.__code__.co_firstlineno
-        # What numba names in its own warnings.
+        # Numba names it in its own warnings.
         self._py_file = str(path)
 
     @classmethod
     def from_function(cls, function: Callable[..., Any], file: str) -> _Place | None:
-        """Return the place for a function of a file; None if nothing can be kept."""
+        """Return the place for a function of a file; None if code cannot be stored."""
         root, path = code_folder(), Path(file).absolute()
         if root is None or not path.is_file():
             return None
@@ -173,11 +174,11 @@ class _Place:
         return str(self._folder)
 
     def get_source_stamp(self) -> str:
-        """Return a number of the function's file."""
+        """Return a number that identifies the state of the function's sources."""
         return hashlib.sha256(self._path.read_bytes()).hexdigest()
 
     def get_disambiguator(self) -> str:
-        """Return what tells functions of one name apart."""
+        """Return a text that distinguishes functions of the same name."""
         return str(self._line)
 
 
@@ -196,7 +197,7 @@ class CodeCache(FunctionCache):
     Raises
     ------
     RuntimeError
-        If no folder can be written.
+        If there is no writable folder.
     """
 
     _impl_class = _Code
@@ -207,20 +208,20 @@ class CodeCache(FunctionCache):
         self._cache_file = CodeFiles.instead_of(files, function.__module__)
 
     def _index_key(self, sig: Any, codegen: Any) -> Any:
-        """Return what code is found by: types and machine, of functions in functions bytecode, too.
+        """Return the key of code: types and machine, and for nested functions also the bytecode.
 
-        All others are told by their file, their line and their name.
+        Other functions are identified by their file, line and name.
         """
         found: Any = super()._index_key(sig, codegen)  # type: ignore[no-untyped-call]
         return found if "<" in self._py_func.__qualname__ else found[:2]
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep code, if that is possible: it has been made already.
+        """Store code if possible; a failure only costs a later compilation.
 
         Parameters
         ----------
         sig : object
-            What it is compiled for.
+            Types for which the code is compiled.
         data : object
             The code.
         """

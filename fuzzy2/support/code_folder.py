@@ -1,11 +1,12 @@
-"""Where machine code is kept: in a folder of the user's, that nobody else can write to.
+"""The folder for machine code, which belongs to the user and to which nobody else can write.
 
-Whatever lies there is run. So no folder is taken in which others could put a file or a link: it
-and all above it belong to the user or to the system, and are open to no others, or sticky as the
-temporary directory is. What ``NUMBA_CACHE_DIR`` names is taken as it is: who sets it has chosen.
+Code in this folder is executed. So a folder is only used if nobody else can put a file or a link
+into it: it and all folders above it belong to the user or the system, and are either not writable
+by others or sticky like the temporary directory. The folder in ``NUMBA_CACHE_DIR`` is used without
+this check, because the user chose it.
 
-Below the folder each folder of sources has its own, named after its path, so that two versions and
-two copies of the packages do not disturb one another.
+Each folder of sources has its own subfolder, named after its path, so that two versions or copies
+of the packages do not interfere.
 """
 
 from __future__ import annotations
@@ -25,14 +26,15 @@ logger = logger_named(__name__)
 
 
 def code_folder() -> Path | None:
-    """Return the folder, which is there and can be written to; None if there is none.
+    """Return the existing, writable folder; None if there is none.
 
-    That of ``NUMBA_CACHE_DIR``, ``psp3`` in the user's cache (``XDG_CACHE_HOME``, or ``.cache`` in
-    the home folder), or else a private one below the temporary directory, of which is told.
+    It is that of ``NUMBA_CACHE_DIR``, or ``psp3`` in the user's cache (``XDG_CACHE_HOME``, or
+    ``.cache`` in the home folder), or a private folder in the temporary directory, with a log
+    message.
     """
     chosen = os.environ.get("NUMBA_CACHE_DIR", "")
     caches = os.environ.get("XDG_CACHE_HOME", "")
-    # One that is not absolute is to be ignored, says the standard.
+    # The standard says that a relative path must be ignored.
     if not os.path.isabs(caches):
         caches = os.path.expanduser("~/.cache")
     return _first_that_serves(chosen, Path(caches), Path(tempfile.gettempdir()))
@@ -43,29 +45,29 @@ def _first_that_serves(chosen: str, caches: Path, temporary: Path) -> Path | Non
     if chosen and _is_writable(Path(chosen)):
         return Path(chosen)
     kept, instead = caches / NAME, temporary / f"{NAME}-{os.getuid()}"
-    # A link of others is no folder of ours.
+    # A link that others made is not private.
     if caches.is_absolute() and _is_writable(kept) and is_private(kept):
         return kept
     why = f"compiled code cannot be kept in {kept}, or others could change it there"
     if _is_writable(instead) and is_private(instead):
         logger.warning("%s; it is kept in %s, unless NUMBA_CACHE_DIR names a folder", why, instead)
         return instead
-    logger.warning("%s; each process makes it anew, unless NUMBA_CACHE_DIR names a folder", why)
+    logger.warning("%s; each process compiles it again, unless NUMBA_CACHE_DIR names a folder", why)
     return None
 
 
 def name_for(sources: Path) -> str:
-    """Return the name of the folder below that is for the code of a folder of sources."""
+    """Return the name of the subfolder for the code of a folder of sources."""
     return f"{sources.name}-{hashlib.sha256(os.fsencode(sources)).hexdigest()[:20]}"
 
 
 def forget_code(*packages: Path) -> None:
-    """Remove the code of all modules of packages, that of earlier versions at their place, too.
+    """Remove the code of all modules of packages, also of earlier versions in that place.
 
     Parameters
     ----------
     *packages : Path
-        Their folders.
+        Folders of the packages.
     """
     root = code_folder()
     if root is None:
@@ -77,7 +79,7 @@ def forget_code(*packages: Path) -> None:
 
 
 def _is_writable(folder: Path) -> bool:
-    """Make a folder that only the user can enter, and tell whether files can be written to it."""
+    """Make a folder that only the user can enter, and return whether files can be written to it."""
     try:
         folder.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         folder.mkdir(mode=0o700, exist_ok=True)
@@ -88,12 +90,12 @@ def _is_writable(folder: Path) -> bool:
 
 
 def is_private(folder: Path) -> bool:
-    """Tell whether nobody but the user and the system can put anything into a folder.
+    """Return whether only the user and the system can put anything into a folder.
 
     Parameters
     ----------
     folder : Path
-        It is no link; those above it may be.
+        The folder, which is not a link; folders above it may be links.
     """
     try:
         own = folder.lstat()
@@ -109,7 +111,7 @@ def is_private(folder: Path) -> bool:
 
 
 def _is_open(found: os.stat_result) -> bool:
-    """Tell whether others can write to a folder; a group of which only the user is one are none."""
+    """Return whether others can write to a folder; the user's own group does not count."""
     if found.st_mode & stat.S_IWOTH:
         return True
     return bool(found.st_mode & stat.S_IWGRP) and not _is_own_group(found.st_gid)

@@ -1,7 +1,7 @@
-"""What machine code was made from, as one number: the sources of all kernels, and the compiler.
+"""One number for the origin of machine code: the sources of all kernels, and the compiler.
 
-Numba looks at the file of a function only. But what the function calls has files of its own, and so
-have the constants that it names: their values are written into the code.
+Numba only checks the file of a function. But the functions that it calls and the constants that it
+uses may be in other files, and the values of constants are compiled into the code.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ import llvmlite
 import numba
 
 MARK = b"support.compiled"
-"""What modules with compiled functions import."""
+"""Module that all modules with compiled functions import."""
 
 COMPILER = Path(__file__).parent
-"""Where compiled functions are made; what stands there counts, too."""
+"""Folder of the code that compiles functions; its sources are included."""
 
 VERSIONS = repr((numba.__version__, llvmlite.__version__, sys.version_info[:3]))
-"""Who made the code, and of which Python it is."""
+"""Versions of the compiler and of Python."""
 
 _IMPORTED = re.compile(rb"^from ([\w.]+) import (\([^)]*\)|[^\n]*)", re.MULTILINE)
 _CONSTANT = re.compile(rb"\b[A-Z][A-Z0-9_]+\b")
@@ -31,7 +31,7 @@ _CONSTANT = re.compile(rb"\b[A-Z][A-Z0-9_]+\b")
 
 @lru_cache(maxsize=16)
 def stamp_of_kernels(*packages: Path) -> str:
-    """Return a number of all modules of some packages that machine code depends on.
+    """Return a number that identifies all modules of packages that machine code depends on.
 
     Parameters
     ----------
@@ -47,9 +47,9 @@ def stamp_of_kernels(*packages: Path) -> str:
 
 
 def sources_of_kernels(*packages: Path) -> dict[Path, bytes]:
-    """Return the modules that have compiled functions, or constants that these take from elsewhere.
+    """Return the modules with compiled functions, and those of the constants they import.
 
-    Constants are names in capitals. Those of one module may come from another one in turn.
+    Constants have names in capitals. A module may itself import them from another one.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def sources_of_kernels(*packages: Path) -> dict[Path, bytes]:
 
 
 def _modules_of_constants(source: bytes, packages: tuple[Path, ...]) -> Iterator[Path]:
-    """Yield where the modules may be from which constants are imported."""
+    """Yield the modules from which constants may be imported."""
     for module, names in _IMPORTED.findall(source):
         if _CONSTANT.search(names):
             for package in packages:

@@ -1,19 +1,18 @@
-"""A compiled function with all that it calls as one piece of work for the compiler.
+"""A compiled function and all functions that it calls, as one unit for the compiler.
 
-Numba makes optimized machine code of every function by itself, with all that it calls inside, and
-of these again in each function that calls it: a chain of calls is compiled as often as it is long.
-Here a function that others call is only translated and simplified (a *part*). What is called from
-Python gets all parts that it needs, as its own, and is optimized once. The numbers are the same:
-the compiler may not reorder floating-point operations in either way.
+Numba optimizes every function together with all functions that it calls, and does so again for each
+caller. So the last function in a chain of calls is optimized once for every function in the chain.
+Here a function that others call is only translated and simplified; it is called a *part*. A
+function that Python calls includes all parts that it needs and is optimized once. Results are the
+same, because the compiler may not reorder floating-point operations in either case.
 
-What types the simplest operations have, sums of numbers and entries of arrays, is looked up once
-and remembered, and how they are written down is known
-(:mod:`fuzzy2.support.plain_lowering`). Of functions that keep to what can be written in C, what
-numba looks for in vain is left out, too: closures, comprehensions, array expressions. Together that
-is two thirds of the time that the translation takes.
+The types of the simplest operations, such as sums of numbers and entries of arrays, are looked up
+once and cached, and their code is generated directly (:mod:`fuzzy2.support.plain_lowering`).
+Functions that could be written in C skip numba's searches for closures, comprehensions and array
+expressions. Together this saves two thirds of the translation time.
 
-This is built on classes of numba that are documented for its developers, not for its users. The
-tests of this file fail where a version of numba has changed them.
+The code builds on classes that numba documents for its developers, not for its users. The tests of
+this file fail if a version of numba changes them.
 """
 
 from __future__ import annotations
@@ -44,7 +43,7 @@ from fuzzy2.support.plain_lowering import PLAIN, PlainLowering, ScalarLowering, 
 
 
 class Kernel(CPUDispatcher):
-    """A compiled function: with all its parts where Python calls it, and else a part itself.
+    """A compiled function: a whole unit if Python calls it, and a part if a compiled function does.
 
     Parameters
     ----------
@@ -55,13 +54,13 @@ class Kernel(CPUDispatcher):
     targetoptions : dict, optional
         Options of ``numba.njit``.
     twice : bool
-        Whether the compiler goes over the code a second time: only then are parts simple enough for
-        vector instructions, and calls of parts gone. These may then be as long as the machine's.
+        Whether the compiler optimizes the code a second time. Only then are parts inlined and
+        simple enough for vector instructions, which may be as wide as the machine's.
     scalar : bool
-        Whether the function keeps to what can be written in C: no index is negative, and arrays of
-        numbers of different types share no memory.
+        Whether the function could be written in C: no index is negative, and arrays of numbers of
+        different types share no memory.
     kept : bool
-        Whether the machine code is kept on the disk, where that is possible.
+        Whether the machine code is stored on disk, if possible.
     """
 
     def __init__(
@@ -74,7 +73,7 @@ class Kernel(CPUDispatcher):
         scalar: bool = False,
         kept: bool = False,
     ) -> None:
-        # Older versions of numba want a dictionary, also where no types are given.
+        # Older versions of numba need a dictionary even if no types are given.
         kinds, options = dict(locals or {}), dict(targetoptions or {})
         whole: type[Compiler] = _TwiceCompiler if twice else _WholeCompiler
         part: type[Compiler] = PartCompiler
@@ -86,18 +85,19 @@ class Kernel(CPUDispatcher):
         # Numba's own, which is none.
         del self._cache
 
-    # Of most functions neither is needed in a process, and there are hundreds of them.
+    # Both are created on demand, because a process needs neither for most of its hundreds of
+    # functions.
 
     @functools.cached_property
     def _part(self) -> Any:
-        """The function as others call it."""
+        """The function as compiled functions call it."""
         kinds, options, compiler = self._how
         return CPUDispatcher(self.py_func, kinds, options, pipeline_class=compiler)
 
     @functools.cached_property
     def _cache(self) -> Any:
-        """Where numba finds and keeps the machine code."""
-        # "no locator available": there is no folder that can be written to
+        """The cache where numba finds and stores the machine code."""
+        # "no locator available": there is no writable folder
         with contextlib.suppress(RuntimeError):
             return CodeCache(self.py_func) if self._is_kept else NullCache()
         return NullCache()
@@ -145,8 +145,8 @@ class Kernel(CPUDispatcher):
             return code
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
-        """Return how compiled code calls the function, for arguments of these types."""
-        # Not anew for each whole number that is written into a call.
+        """Return how compiled code calls the function with arguments of these types."""
+        # The types are not resolved again for each whole number that is written into a call.
         plain = {name: types.unliteral(kind) for name, kind in kws.items()}
         return self._part.get_call_template(tuple(map(types.unliteral, args)), plain)
 
@@ -159,10 +159,10 @@ _SIGNATURES: dict[Any, Any] = {}
 
 
 class _Operations(Context):
-    """Numba's own types of functions, which remembers those of the simplest operations."""
+    """Numba's types of functions, with a cache for those of the simplest operations."""
 
     def __init__(self, context: Context) -> None:
-        # All that numba knows, also what it will have learned later.
+        # Share all that numba knows, including what it will learn later.
         self.__dict__ = context.__dict__
 
     def resolve_function_type(self, func: Any, args: Any, kws: Any) -> Any:
@@ -170,8 +170,8 @@ class _Operations(Context):
         operation = func.typing_key if type(func) is types.Function else func
         if kws or type(operation) is not python_types.BuiltinFunctionType or not _are_plain(args):
             return super().resolve_function_type(func, args, kws)
-        # Which whole number is written into the code makes no difference to a sum. Asked for two
-        # written numbers, as a counter is one until more is known of it, numba would compare these.
+        # A literal whole number does not change the type of a sum. For two literals, such as a
+        # counter before more is known of it, numba would compare their values.
         kinds = tuple(map(types.unliteral, args)) if operation in PLAIN else args
         key = operation, kinds
         if key not in _SIGNATURES:
@@ -180,7 +180,7 @@ class _Operations(Context):
 
 
 def _are_plain(kinds: Any) -> bool:
-    """Tell whether all types are numbers, or arrays of one dimension."""
+    """Return whether all types are numbers or one-dimensional arrays."""
     return all(
         isinstance(types.unliteral(kind), types.Number | types.Boolean)
         or (isinstance(kind, types.Array) and kind.ndim == 1)
@@ -189,7 +189,7 @@ def _are_plain(kinds: Any) -> bool:
 
 
 class _PartLibrary(JITCodeLibrary):
-    """The code of a part, simplified by itself, but not made machine code."""
+    """The code of a part, simplified by itself, but without machine code."""
 
     def __init__(self, codegen: Any, name: str) -> None:
         super().__init__(codegen, name)
@@ -204,17 +204,17 @@ class _PartLibrary(JITCodeLibrary):
         return super()._get_module_for_linking()
 
     def _get_module_for_linking(self) -> Any:
-        """Return the code with that of all parts, for functions that numba compiles as usual."""
+        """Return the code with all parts, for functions that numba compiles as usual."""
         if self._with_parts is None:
             linked = self.own_code().clone()
             _link(linked, self)
-            # Only what is whole is kept: Ctrl-C may come in between.
+            # Only complete code is cached, because Ctrl-C may interrupt the linking.
             self._with_parts = linked
         return self._with_parts
 
 
 class _Whole(JITCodeLibrary):
-    """The code of a function that Python calls, with all parts."""
+    """The code of a function that Python calls, with all its parts."""
 
     def finalize(self) -> None:
         self._raise_if_finalized()
@@ -222,7 +222,7 @@ class _Whole(JITCodeLibrary):
         _link(self._final_module, self)
         for one in self._final_module.functions:
             if one.linkage == Linkage.linkonce_odr and one.name not in own:
-                # Nobody else's, so that nothing is left of it where it is called once.
+                # Internal linkage lets the compiler remove a part that is inlined everywhere.
                 one.linkage = "internal"
         self._optimize_final_module()
         self._final_module.verify()
@@ -234,13 +234,13 @@ class _Twice(_Whole):
 
     def _optimize_final_module(self) -> None:
         super()._optimize_final_module()
-        # Only what is simple already is vectorized, and the first time parts are not.
+        # Only simple code is vectorized, and parts are not simple before the first optimization.
         passes, builder = self._codegen._module_pass_manager()
         passes.run(self._final_module, builder)
 
 
 def _link(module: Any, library: Any) -> None:
-    """Add to a module the code of all that a library calls, and of what that calls in turn."""
+    """Add to a module the code of all functions that a library calls, directly or indirectly."""
     called, left = set(), list(library._linking_libraries)
     while left:
         one = left.pop()
@@ -255,13 +255,13 @@ def _link(module: Any, library: Any) -> None:
 
 
 class _PlainCompiler(Compiler):
-    """Numba's compiler, with plain operations written down directly."""
+    """Numba's compiler, with plain operations generated directly."""
 
     lowering: type[NativeLowering] = PlainLowering
     needless: frozenset[Any] = frozenset()
 
     def define_pipelines(self) -> list[PassManager]:
-        """Return what is done with a function, in turn."""
+        """Return the passes of the compiler."""
         (theirs,) = super().define_pipelines()
         ours = PassManager(theirs.pipeline_name)
         for one, description in theirs.passes:
@@ -277,7 +277,7 @@ class _WholeCompiler(_PlainCompiler):
 
     def __init__(self, typingctx: Any, targetctx: Any, library: Any, *more: Any) -> None:
         super().__init__(_Operations(typingctx), targetctx, library, *more)
-        # Nobody calls the function from C.
+        # No C wrapper is needed, because C does not call the function.
         self.state.flags.no_cfunc_wrapper = True
 
     def compile_extra(self, func: Any) -> Any:
@@ -286,7 +286,7 @@ class _WholeCompiler(_PlainCompiler):
         self.state.library.enable_object_caching()
         with announced(func, self.state.args, self.work):
             result = super().compile_extra(func)
-        # What parts may raise.
+        # Exceptions that parts may raise.
         for environment in result._find_referenced_environments():
             result.library.codegen.set_env(environment.env_name, environment)
         return result
@@ -310,7 +310,7 @@ class PartCompiler(_PlainCompiler):
         """Return the function, translated."""
         self.state.library = _PartLibrary(self.state.targetctx.codegen(), func.__qualname__)
         result = super().compile_extra(func)
-        # What numba finds the part by; there is no machine code behind it that could be called.
+        # Numba finds the part by this entry; there is no machine code behind it to call.
         nothing = make_function(
             result.fndesc.lookup_module(), func.__name__, "", 0, result.environment, ()
         )
@@ -319,10 +319,10 @@ class PartCompiler(_PlainCompiler):
 
 
 class _Scalar:
-    """Mixed into compilers of functions that keep to what can be written in C."""
+    """Mixin for compilers of functions that could be written in C."""
 
     lowering: type[NativeLowering] = ScalarLowering
-    # What looks for closures, comprehensions, array expressions and types that are branched on.
+    # Passes that search for closures, comprehensions, array expressions and branches on types.
     needless: frozenset[Any] = frozenset(
         {
             untyped_passes.DeadBranchPrune,

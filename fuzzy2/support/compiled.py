@@ -1,9 +1,9 @@
-"""Compile scalar kernels with numba.
+"""Decorators that compile scalar kernels with numba.
 
-Cached on disk where that is possible, without the interpreter lock.
+The code is cached on disk if possible and runs without the interpreter lock.
 
-Both packages compile with this one decorator. Numba does not notice when a function in *another*
-module changed, though kernels call those of other modules: ``fuzzy2.support.code_stamp`` does.
+Both packages use these decorators. Numba does not notice changes of functions in *other* modules,
+although kernels call them; ``fuzzy2.support.code_stamp`` does.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def only_for(function: Function, *arguments: Any) -> Function:
 def compiled(function: Function) -> Function:
     """Compile ``function`` on its first call.
 
-    The code releases the interpreter lock and divides as IEEE 754 does.
+    The code releases the interpreter lock and follows IEEE 754 in divisions by zero.
 
     Parameters
     ----------
@@ -61,17 +61,17 @@ def compiled(function: Function) -> Function:
     Returns
     -------
     callable
-        The compiled function. Where no folder for its code can be written
-        (:mod:`fuzzy2.support.code_folder`) it is compiled anew in every process.
+        The compiled function. If there is no writable folder for its code
+        (:mod:`fuzzy2.support.code_folder`), it is compiled again in every process.
     """
     return _compiled(function, twice=True)
 
 
 def inlined(function: Function) -> Function:
-    """Compile ``function`` as :func:`compiled` does, and put it into each function that calls it.
+    """Compile ``function`` as :func:`compiled` does, and inline it into each of its callers.
 
-    For what is called in a loop over many states: the compiler takes several of them in one
-    instruction only where the loop calls nothing.
+    Use it for functions that are called in a loop over many states, because the compiler only
+    vectorizes loops without calls.
 
     Parameters
     ----------
@@ -87,38 +87,39 @@ def inlined(function: Function) -> Function:
 
 
 class ChosenByTable(Protocol):
-    """What :func:`chosen_by_table` returns."""
+    """Result of :func:`chosen_by_table`."""
 
     bodies: Mapping[Any, Callable[..., Any]]
-    """The bodies by the NamedTuple class that they are for."""
+    """The bodies, by the NamedTuple class of their table."""
 
     def __call__(self, table: Any, *arguments: Any) -> Any:
-        """Return what the body for the table's type does."""
+        """Call the body for the table's type."""
         ...
 
     def register(self, kind: Any) -> Callable[[Function], Function]:
-        """Return a decorator of the body for a NamedTuple class."""
+        """Return a decorator for the body for a NamedTuple class."""
         ...
 
 
 def chosen_by_table(declaration: Callable[..., Any]) -> ChosenByTable:
     """Declare a compiled function that has one body for each type of its first argument.
 
-    So a kernel that serves any table, a NamedTuple of arrays, can ask it for what depends on its
-    kind; whoever has a kind of table gives the body. Which one it is stands fixed once the kernel
-    is compiled for the table, and the compiled kernel can be kept on disk.
+    So a kernel can work on any kind of table, which is a NamedTuple of arrays, and call functions
+    that depend on the kind. The module that defines a kind of table registers the bodies for it.
+    The choice is fixed when the kernel is compiled for a table, so the compiled kernel can be
+    stored on disk.
 
     Parameters
     ----------
     declaration : callable
-        A function that says what all bodies do.
+        A function whose docstring describes all bodies.
 
     Returns
     -------
     ChosenByTable
-        The function; ``@declared.register(Table)`` stands above the body for a NamedTuple class. A
-        body is compiled where it is called from; what is long in it belongs into a function of its
-        own that is :func:`compiled`.
+        The function; ``@declared.register(Table)`` decorates the body for a NamedTuple class. A
+        body is compiled into its callers, so long code belongs in a separate function that is
+        :func:`compiled`.
     """
     bodies: dict[Any, Callable[..., Any]] = {}
 
@@ -146,23 +147,24 @@ def chosen_by_table(declaration: Callable[..., Any]) -> ChosenByTable:
 
 
 def scalar(function: Function) -> Function:
-    """Compile ``function`` as :func:`compiled` does, without memory of its own, in less time.
+    """Compile ``function`` as :func:`compiled` does, but faster, for functions that make no arrays.
 
-    For functions that make no arrays, and call none that do: calls cost less, and the compiler need
-    not find out who holds which array. It goes over the code once; long code without loops over
-    rows gains nothing from a second time. An index is what it is in C: a negative one does not
-    count from the end, but is an error that nobody notices; and entries of an array of whole
-    numbers are not read again after an array of others is written to.
+    The function must not make arrays or call functions that do. Then calls cost less, and the
+    compiler need not track who owns which array. The code is optimized once, because long code
+    without loops over rows gains nothing from a second pass. An index means the same as in C: a
+    negative one does not count from the end, but is an undetected error. Entries of an array of
+    whole numbers are not read again after an array of another type is written to.
 
     Parameters
     ----------
     function : callable
-        As for :func:`compiled`, without closures, comprehensions and operations on whole arrays.
+        As for :func:`compiled`, but without closures, comprehensions and operations on whole
+        arrays.
 
     Returns
     -------
     callable
-        The compiled function. A function that makes an array is refused when it is compiled.
+        The compiled function. A function that makes an array raises an error when it is compiled.
     """
     return _compiled(function, scalar=True, _nrt=False)
 

@@ -1,4 +1,4 @@
-"""Ctrl-C that waits until something is done that must not be left half done."""
+"""Deferral of Ctrl-C until work that must not be interrupted is done."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from types import FrameType
 
 @contextmanager
 def deferred_interrupts() -> Iterator[None]:
-    """Let Ctrl-C wait for the end of what is done here, and do then what it does otherwise.
+    """Defer Ctrl-C to the end of the ``with`` block, where it then has its usual effect.
 
-    Signals come to the main thread alone, so in another one nothing changes; nor where Ctrl-C is
-    ignored.
+    Only the main thread receives signals, so other threads are not affected. Nothing happens if
+    Ctrl-C is ignored.
     """
     handler = signal.getsignal(signal.SIGINT)
     if threading.current_thread() is not threading.main_thread() or not callable(handler):

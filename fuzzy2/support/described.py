@@ -1,6 +1,6 @@
-"""How objects print: their class and their settings, in a line or as a table in notebooks.
+"""Representations of objects: their class and settings, on one line or as a table in notebooks.
 
-Nothing is computed for it, and no array is printed that is longer than a line.
+Nothing is computed for a representation, and long arrays are shown by their shape.
 """
 
 from __future__ import annotations
@@ -14,16 +14,16 @@ from fuzzy2.errors import printable
 from fuzzy2.support.markup import LEFT, Markup, element
 
 MOST_NUMBERS = 6
-"""Numbers of an array that are shown; of longer ones the shape is."""
+"""Greatest size of an array whose numbers are shown; longer arrays are shown by their shape."""
 
 
 class Described:
-    """What prints as its class and its facts."""
+    """Base of objects that print as their class and settings."""
 
     __slots__ = ()
 
     def _facts(self) -> Mapping[str, Any]:
-        """Return what decides this, by name: numbers, texts, arrays, and None for what is not."""
+        """Return the settings by name: numbers, texts, arrays, and None for unused ones."""
         raise NotImplementedError
 
     def __repr__(self) -> str:
@@ -31,7 +31,7 @@ class Described:
         return f"{type(self).__name__}({said})"
 
     def _repr_html_(self) -> Markup:
-        """Return what a notebook shows."""
+        """Return the HTML that a notebook shows."""
         rows = (
             element(
                 "tr",
@@ -44,13 +44,14 @@ class Described:
 
 
 def in_short(fact: Any) -> str:
-    """Return a fact in a few words, of which a terminal obeys nothing.
+    """Return a setting in a few words, without characters that control a terminal.
 
     Parameters
     ----------
     fact : object
-        A text is taken as it is, a number has four digits, a short array its numbers and a long one
-        its shape. What else there is, such as a robot, is named by its ``title`` or its class.
+        A text is shown as it is, a number with four digits, a short array with its numbers and a
+        long one with its shape. Other objects, such as a robot, are named by their ``title`` or
+        class.
     """
     if isinstance(fact, str):
         return printable(fact)

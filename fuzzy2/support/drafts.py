@@ -1,8 +1,8 @@
-"""Drafts: files under way to the place of another one, and what is left of them after a kill.
+"""Drafts: temporary files that will replace other files, and their removal after a crash.
 
-A draft is locked by the process that writes it, and the lock ends with the process, however it
-ends. So a draft that nobody holds is nobody's, and whoever saves next in its folder removes it. No
-clock and no number of a process is asked, which could both be those of another.
+The process that writes a draft holds a lock on it, which ends with the process, however it ends. So
+an unlocked draft is abandoned, and the next process that saves a file in its folder removes it.
+Neither times nor process numbers are used, because both could be misleading.
 """
 
 from __future__ import annotations
@@ -15,42 +15,42 @@ from contextlib import suppress
 from typing import IO, Any
 
 DRAFT = re.compile(r"\.fuzzy2-[0-9a-f]{16}\.part")
-"""Names of drafts: short, so that there is room wherever there is room for the target's name."""
+"""Pattern of the names of drafts, which are short so that they are never longer than allowed."""
 
 
 def new_draft(folder: str, opened: Callable[[str], IO[Any]]) -> tuple[str, IO[Any]]:
-    """Make a draft that is locked, and return its path with the open file.
+    """Make a locked draft, and return its path and the open file.
 
     Parameters
     ----------
     folder : str
         Where.
     opened : callable
-        Makes the file of a path, which must not exist, and opens it.
+        Creates the file with a given path, which must not exist, and opens it.
 
     Raises
     ------
     OSError
-        If it cannot be made.
+        If the draft cannot be made.
     """
     while True:
         path = os.path.join(folder, f".fuzzy2-{os.urandom(8).hex()}.part")
         file = opened(path)
         if _is_locked(file) and _is_there(file, path):
             return path, file
-        # Somebody who clears away has found it in the moment before it was locked.
+        # Another process found the draft before it was locked, and removed it.
         file.close()
         with suppress(FileNotFoundError):
             os.unlink(path)
 
 
 def is_draft(path: object) -> bool:
-    """Tell whether this is the path of a draft, by its name."""
+    """Return whether a path is that of a draft, by its name."""
     return isinstance(path, str) and DRAFT.fullmatch(os.path.basename(path)) is not None
 
 
 def clear_drafts(folder: str) -> None:
-    """Remove the drafts in a folder that nobody writes any more, where that is possible."""
+    """Remove the abandoned drafts in a folder, as far as possible."""
     with suppress(OSError), os.scandir(folder or ".") as entries:
         for path in [entry.path for entry in entries if DRAFT.fullmatch(entry.name)]:
             with suppress(OSError):
@@ -61,7 +61,7 @@ def _remove_abandoned(path: str) -> None:
     descriptor = os.open(path, os.O_RDWR | os.O_NOFOLLOW | os.O_NONBLOCK)
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        # A draft that has just taken its place has no such name any more.
+        # A draft that has just replaced its target no longer exists under this name.
         os.unlink(path)
     finally:
         os.close(descriptor)
@@ -73,7 +73,7 @@ def _is_locked(file: IO[Any]) -> bool:
     except BlockingIOError:
         return False
     except OSError:
-        # A file system without locks: there nobody clears away either.
+        # On a file system without locks, no process removes drafts.
         return True
     return True
 

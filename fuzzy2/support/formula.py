@@ -1,11 +1,12 @@
-r"""Formulas as text, of fuzzylite's terms and of the Fuzzy Control Language.
+r"""Formulas as text, for fuzzylite's terms and the Fuzzy Control Language.
 
-Numbers, names, and of strongest to weakest: parentheses and calls; ``!`` (not) and ``~`` (minus);
-``^`` and ``**``, from right to left, with ``.-``, ``.+`` and ``-`` before their part; ``*``, ``/``
-and ``%``; ``+`` and ``-``; ``and``; ``or``. What is not 0 is true, and true is 1.
+A formula consists of numbers, names and operators. The operators are, from the strongest to the
+weakest: parentheses and calls; ``!`` (not) and ``~`` (minus); ``^`` and ``**``, from right to left,
+with the prefixes ``.-``, ``.+`` and ``-``; ``*``, ``/`` and ``%``; ``+`` and ``-``; ``and``;
+``or``. Every number except 0 is true, and the value of true is 1.
 
-Source: the operators and functions of fuzzylite 8. A formula is parsed by a grammar into a tree of
-the functions that are listed here, and never handed to Python.
+Source: the operators and functions of fuzzylite 8. A grammar parses a formula into a tree of the
+functions listed here; the text is never executed by Python.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ _LONGEST = 10_000
 
 
 def _truth(function: Callable[..., Any]) -> Callable[..., Array]:
-    """Return a function whose answers are 1 and 0."""
+    """Return a function whose values are converted to 1 and 0."""
     return lambda *parts: np.asarray(function(*parts), dtype=float)
 
 
@@ -102,7 +103,7 @@ _FUNCTIONS: Mapping[str, tuple[int, Callable[..., Array]]] = MappingProxyType(
         "tanh": (1, np.tanh),
     }
 )
-"""Functions with the number of their arguments."""
+"""Functions, each with the number of its arguments."""
 
 
 @functools.cache
@@ -122,7 +123,8 @@ class Formula:
     Raises
     ------
     InvalidValue
-        If it is none, is longer than 10 000 characters, or calls a function that there is not.
+        If the text is not a formula, is longer than 10 000 characters, or calls an unknown
+        function.
     """
 
     text: str
@@ -138,7 +140,7 @@ class Formula:
 
     @functools.cached_property
     def tree(self) -> Tree[Token]:
-        """The parsed formula, as a grammar has it, within a node of its own."""
+        """The parsed formula as a tree, within a root node."""
         try:
             tree = _parser().parse(self.text)
         except UnexpectedInput as error:
@@ -162,12 +164,12 @@ class Formula:
             raise InvalidValue(f"the arguments of {name}", self._shown, f"{count} of them")
 
     def __reduce__(self) -> tuple[type[Formula], tuple[str]]:
-        # Without its tree, which may be deeper than what can be pickled.
+        # Pickled without its tree, which may be nested too deeply for pickle.
         return Formula, (self.text,)
 
     @functools.cached_property
     def names(self) -> frozenset[str]:
-        """Names that the formula asks for."""
+        """Names that the formula uses."""
         found = {str(node.children[0]) for node in self.tree.find_data("name")}
         return frozenset(found - {"pi"})
 
@@ -177,7 +179,7 @@ class Formula:
         return tuple(sorted({float(str(n.children[0])) for n in self.tree.find_data("number")}))
 
     def at(self, values: Mapping[str, Array]) -> Array:
-        """Return the formula (...,) at values (...,) by name; NaN where it has none.
+        """Return the formula (...,) at values (...,) by name; NaN where it is undefined.
 
         Raises
         ------
@@ -185,7 +187,7 @@ class Formula:
             If a name has no value.
         """
         found: dict[int, Array] = {}
-        # By a stack, from the leaves to the root, for formulas may be long.
+        # A stack goes from the leaves to the root, because formulas may be too long for recursion.
         with np.errstate(all="ignore"):
             for node in self.tree.iter_subtrees():
                 parts = [found[id(part)] for part in node.children if isinstance(part, Tree)]
@@ -193,9 +195,9 @@ class Formula:
         return found[id(self.tree)]
 
     def program(self, names: Sequence[str]) -> tuple[list[float], int]:
-        """Return the steps of :mod:`fuzzy2.support.formula_kernels`, and how deep its stack gets.
+        """Return the steps for :mod:`fuzzy2.support.formula_kernels`, and the depth of their stack.
 
-        ``names`` are those of the inputs, in order, and hold all that the formula asks for.
+        ``names`` are those of the inputs, in order, and include all names of the formula.
         """
         from fuzzy2.support.formula_kernels import INPUT, NUMBER
 
@@ -216,7 +218,7 @@ class Formula:
         return steps, deepest
 
     def _leaves_first(self) -> list[Tree[Token]]:
-        """Return the nodes so that each follows its parts, the last of which is next to it."""
+        """Return the nodes so that each follows its parts, directly after the last one."""
         waiting, found = [self.tree], []
         while waiting:
             node = waiting.pop()
@@ -236,7 +238,7 @@ class Formula:
             steps.append(float(CODES[node.data]))
 
     def __call__(self, x: Array) -> Array:
-        """Return the formula at points (...,) of its only name, x."""
+        """Return the formula at points (...,) of x, its only name."""
         return np.broadcast_to(self.at({"x": x}), np.shape(x))
 
 

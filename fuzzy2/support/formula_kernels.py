@@ -1,4 +1,4 @@
-"""Compiled formulas: programs for a stack, which :mod:`fuzzy2.support.formula` makes of text."""
+"""Compiled formulas: programs for a stack machine, from :mod:`fuzzy2.support.formula`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 from fuzzy2.support.compiled import scalar
 
 NUMBER, INPUT = 0, 1
-"""Steps that put a number on the stack: the next one of the program, or the input it says."""
+"""Steps that push a number: the next number of the program, or the input with that number."""
 
 ONE = (
     *("negative", "opposite", "abs", "fabs", "ceil", "floor", "round", "sqrt"),
@@ -33,20 +33,20 @@ CODES = {name: code for code, name in enumerate((*ONE, *TWO), start=2)}
 
 @scalar
 def truncated(a):
-    """Return a number without what follows its point; numba's own are whole numbers of 64 bits."""
+    """Return a number without its fraction; numba's own function returns 64-bit integers."""
     return math.copysign(abs(a) - abs(a) % 1.0, a) if math.isfinite(a) else a
 
 
 @scalar
 def floored(a):
-    """Return the greatest whole number that is not above."""
+    """Return the greatest whole number that is not above a number."""
     whole = truncated(a)
     return whole - 1.0 if whole > a else whole
 
 
 @scalar
 def rounded(a):
-    """Return the nearest whole number, the even one of two."""
+    """Return the nearest whole number, and the even one of two."""
     whole = truncated(a)
     rest = abs(a - whole)
     if rest > 0.5 or (rest == 0.5 and abs(whole) % 2.0 != 0.0):
@@ -56,7 +56,7 @@ def rounded(a):
 
 @scalar
 def _whole(code, a):
-    """Functions that any processor has."""
+    """Evaluate functions that every processor has."""
     if code == NEGATIVE:
         return -a
     if code == OPPOSITE:
@@ -72,7 +72,7 @@ def _whole(code, a):
 
 @scalar
 def _exponential(code, a):
-    """Exponential function and logarithms."""
+    """Evaluate the exponential function and logarithms."""
     if code == EXP:
         return math.exp(a)
     if code == LOG:
@@ -82,7 +82,7 @@ def _exponential(code, a):
 
 @scalar
 def _trigonometric(code, a):
-    """Functions of angles."""
+    """Evaluate trigonometric functions."""
     if code == SIN:
         return math.sin(a)
     if code == COS:
@@ -96,7 +96,7 @@ def _trigonometric(code, a):
 
 @scalar
 def _hyperbolic(code, a):
-    """Hyperbolic functions."""
+    """Evaluate hyperbolic functions."""
     if code == SINH:
         return math.sinh(a)
     if code == COSH:
@@ -110,7 +110,7 @@ def _hyperbolic(code, a):
 
 @scalar
 def _compared(code, a, b):
-    """Comparisons, for which what is no number equals itself."""
+    """Evaluate comparisons, in which NaN equals itself."""
     equal = a == b or (a != a and b != b)
     if code == EQ:
         return 1.0 if equal else 0.0
@@ -127,7 +127,7 @@ def _compared(code, a, b):
 
 @scalar
 def _power(code, a, b):
-    """Powers, angles of points, and what divisions leave."""
+    """Evaluate powers, angles of points, and remainders."""
     if code == ATAN2:
         return math.atan2(a, b)
     if code == REMAINDER:
@@ -139,7 +139,7 @@ def _power(code, a, b):
 
 @scalar
 def _of_two(code, a, b):
-    """Functions of two numbers that any processor has, and the others."""
+    """Evaluate functions of two numbers."""
     if code == PLUS:
         return a + b
     if code == MINUS:
@@ -163,7 +163,7 @@ def _of_two(code, a, b):
 
 @scalar
 def formula_at(program, start, stop, x, xo, stack):
-    """Return what the steps from ``start`` to ``stop`` make of the inputs from ``xo`` on."""
+    """Return the result of the steps from ``start`` to ``stop`` for the inputs from ``xo`` on."""
     top, step = -1, start
     while step < stop:
         code = int(program[step])
@@ -191,7 +191,7 @@ def formula_at(program, start, stop, x, xo, stack):
 
 
 def left_out(programs: list[list[float]]) -> tuple[str, ...]:
-    """Return the names of the functions here that no program needs."""
+    """Return the names of the functions in this module that no program needs."""
     used: set[int] = set()
     for program in programs:
         step = 0

@@ -1,9 +1,9 @@
-"""Compiled functions run by Python itself: for a few calls, done before a compiler would begin.
+"""Compiled functions run by Python itself, for a few calls that end before a compilation would.
 
-A compiled function is Python, and so is all that it calls. Its *twin* is the same code with twins
-in place of compiled functions, and with mathematics as the machine has it
-(:mod:`fuzzy2.support.machine_math`): the same operations in the same order on the same numbers, so
-that every result is equal to the last bit. A call takes some hundred times as long.
+The source of a compiled function is Python, and so is that of all functions it calls. Its *twin* is
+the same code with twins in place of compiled functions, and with the mathematical functions of
+compiled code (:mod:`fuzzy2.support.machine_math`). It does the same operations in the same order on
+the same numbers, so every result is equal bit for bit. A call takes about a hundred times as long.
 """
 
 from __future__ import annotations
@@ -23,17 +23,18 @@ from fuzzy2.support import machine_math
 _FEW_CALLS: ContextVar[bool] = ContextVar("_FEW_CALLS", default=False)
 
 _TWINS_OF_MODULES: dict[int, tuple[dict[str, Any], dict[str, Any]]] = {}
-"""By the number of a module's names: these, so that no others get the number, and with twins."""
+"""Names of modules and their twins, by the id of the names, which are kept so that the id stays
+unique."""
 
 _MAKING = threading.RLock()
 
 
 @contextmanager
 def few_calls() -> Iterator[None]:
-    """Say that only a few calls are to come, for which nothing should be compiled.
+    """Declare that only a few calls follow, for which nothing should be compiled.
 
-    What has been compiled already is used all the same. It is said of one thread, and what that
-    waits for.
+    Functions that are already compiled are used anyway. The declaration holds for the current
+    thread, and for threads that it waits for.
     """
     before = _FEW_CALLS.set(True)
     try:
@@ -43,36 +44,36 @@ def few_calls() -> Iterator[None]:
 
 
 def are_few_calls() -> bool:
-    """Tell whether only a few calls are to come."""
+    """Return whether only a few calls follow."""
     return _FEW_CALLS.get()
 
 
 def is_ready(kernel: Any) -> bool:
-    """Tell whether a compiled function can be called without compiling it first."""
-    # Where numba is told not to compile there are Python functions only.
+    """Return whether a compiled function can be called without compilation."""
+    # If numba's compilation is disabled, all functions are Python functions.
     return bool(getattr(kernel, "overloads", True))
 
 
 def twin_of(kernel: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a compiled function as Python runs it.
+    """Return the twin of a compiled function, which Python runs.
 
     Parameters
     ----------
     kernel : callable
-        What :func:`fuzzy2.support.compiled.compiled` or ``scalar`` returned. It must not call what
-        is chosen by a table's type.
+        A function that :func:`fuzzy2.support.compiled.compiled` or ``scalar`` returned. It must not
+        call functions that are chosen by a table's type.
 
     Returns
     -------
     callable
-        The same function in Python. It takes arrays for which the compiled one exists, and does not
-        check them.
+        The same function in Python. It accepts the arrays that the compiled function accepts, but
+        does not check them.
     """
     with _MAKING:
         twin: Any = _twin(getattr(kernel, "py_func", kernel))
 
     def called(*arguments: Any) -> Any:
-        # Divisions by zero and the like have answers of the machine's, and nobody is told.
+        # Divisions by zero and the like give the machine's results without a warning.
         with np.errstate(all="ignore"):
             return twin(*arguments)
 
@@ -80,7 +81,7 @@ def twin_of(kernel: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def twins_of(module: Any) -> Any:
-    """Return an object with the compiled functions of a module as Python runs them."""
+    """Return an object with the twins of all compiled functions of a module."""
     kernels = {name: one for name, one in vars(module).items() if hasattr(one, "py_func")}
     return SimpleNamespace(**{name: twin_of(one) for name, one in kernels.items()})
 

@@ -1,4 +1,4 @@
-"""JSON documents in which every name is given once, and every number is one."""
+"""JSON documents in which names are unique and numbers are finite."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fuzzy2.support.bounded_files import MOST_PARTS
 
 
 class _Repeated(dict[str, Any]):
-    """Object in which a name is given twice, which ``json`` would pass over in silence."""
+    """Marker of an object with a repeated name, which ``json`` would silently accept."""
 
     name: str
 
@@ -30,11 +30,12 @@ def parse_json(text: str, source: str = "document") -> Any:
     ------
     MalformedFile
         If it is not JSON (``place`` is the line and column), or is nested too deeply, has more than
-        :data:`MOST_PARTS` lists, objects and names, a number that JSON has no word for or that is
-        too large for a float, half of a surrogate pair in a string, or gives a name twice
+        :data:`MOST_PARTS` lists, objects and names, a number that JSON cannot represent or that
+        is too large for a float, a lone surrogate in a string, or a repeated name
         (``place`` is the path).
     """
-    # Before anything is made of them: each takes some hundred bytes, however short it is written.
+    # The limit is checked before parsing, because each part takes some hundred bytes, however short
+    # its text.
     if sum(map(text.count, "[{:")) > MOST_PARTS:
         raise MalformedFile(source, "$", f"has more than {MOST_PARTS} lists, objects and names")
     try:
@@ -88,7 +89,7 @@ def _without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def _first_repeated(value: Any, path: str) -> str:
-    """Return the path of the first name that is given twice, or nothing."""
+    """Return the path of the first repeated name, or nothing."""
     if isinstance(value, _Repeated):
         return f"{path}.{value.name}"
     if isinstance(value, dict):

@@ -1,6 +1,6 @@
-"""Facades: packages whose public names are imported when they are first used.
+"""Facades: packages whose public names are imported at their first use.
 
-A facade names what it offers once, as imports for the type checker:
+A facade lists its public names once, as imports for the type checker:
 
 .. code-block:: python
 
@@ -22,7 +22,7 @@ from typing import Any
 def lazy_names(package: str) -> tuple[list[str], Callable[[str], Any], Callable[[], list[str]]]:
     """Return ``__all__``, ``__getattr__`` and ``__dir__`` of a package.
 
-    They are made of its imports under ``TYPE_CHECKING``.
+    They follow from the imports under ``TYPE_CHECKING``.
 
     Parameters
     ----------
@@ -32,7 +32,8 @@ def lazy_names(package: str) -> tuple[list[str], Callable[[str], Any], Callable[
     Returns
     -------
     tuple
-        Sorted names, a function that imports the thing of a name, and one that lists the names.
+        Sorted names, a function that imports the object of a name, and a function that lists the
+        names.
     """
     homes = dict(_imported_for_types(package))
     names = sorted(homes)
@@ -41,7 +42,7 @@ def lazy_names(package: str) -> tuple[list[str], Callable[[str], Any], Callable[
         if name not in homes:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         home = importlib.import_module(homes[name])
-        if hasattr(home, "__path__"):  # of packages, modules are offered
+        if hasattr(home, "__path__"):  # a package offers its modules
             return importlib.import_module(f"{homes[name]}.{name}")
         return getattr(home, name)
 
@@ -50,7 +51,7 @@ def lazy_names(package: str) -> tuple[list[str], Callable[[str], Any], Callable[
 
 def _imported_for_types(package: str) -> Iterator[tuple[str, str]]:
     """Yield every name that a package imports for the type checker, with its module."""
-    # a module that is imported has one
+    # a module that is being imported has a spec
     loader: Any = sys.modules[package].__spec__.loader  # type: ignore[union-attr]
     for statement in ast.parse(loader.get_source(package)).body:
         if isinstance(statement, ast.If) and ast.unparse(statement.test) == "TYPE_CHECKING":

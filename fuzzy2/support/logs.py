@@ -1,4 +1,4 @@
-"""What is logged: names of others in it do nothing to the terminal that shows it."""
+"""Loggers whose messages cannot control the terminal that shows them."""
 
 from __future__ import annotations
 

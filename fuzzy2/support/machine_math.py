@@ -1,7 +1,8 @@
-"""Functions of ``math`` as compiled code has them: with an answer for every number.
+"""Functions of ``math`` as in compiled code, with a result for every number.
 
-Python's own raise errors where there is no finite answer, and their results are plain numbers,
-which cannot be divided by zero. ``hypot`` is the C library's; Python's is another.
+Python's functions raise an error if there is no finite result, and their results are plain floats,
+which raise an error when divided by zero. ``hypot`` is that of the C library, because Python's
+rounds differently.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ def _of_the_machine(function: Callable[..., float]) -> Callable[..., Number]:
         try:
             return Number(function(*numbers))
         except ValueError:
-            # Of functions that have no value there; none of them has a pole.
+            # The functions listed here are undefined there; none of them has a pole.
             return Number(nan)
 
     return answered

@@ -1,8 +1,8 @@
-"""HTML that is safe by the way it is made: texts are escaped unless they are markup already.
+"""HTML that is safe by construction: texts are escaped unless they are markup.
 
-Every page and every picture in a notebook is put together here, for names of robots, links, terms
-and rules come from files of others. :class:`Markup` is the only text that is taken as it is, and
-what makes it escapes what it is given.
+Every page and every picture in a notebook is built with these functions, because names of robots,
+links, terms and rules come from foreign files. Only :class:`Markup` is inserted as it is, and all
+functions that make it escape their arguments.
 """
 
 from __future__ import annotations
@@ -16,26 +16,26 @@ from typing import Any
 from fuzzy2.errors import printable
 
 VOID = frozenset({"img", "meta"})
-"""Elements that hold nothing and have no end tag, of those that are used."""
+"""The used elements that have no content and no end tag."""
 
 _MARK = re.compile(r"/\*([A-Z]+)\*/")
 
 _LEFT_IN_DATA = str.maketrans(
     {mark: f"\\u{ord(mark):04x}" for mark in ("<", ">", "&", "\u2028", "\u2029")}
 )
-"""JSON has these in texts only, where their numbers mean the same."""
+"""Characters that JSON only has in strings, where they can be replaced with escapes."""
 
 
 class Markup(str):
-    """Finished HTML, of which the constructor takes the program's own texts alone."""
+    """Finished HTML; the constructor must only be called with texts of the program itself."""
 
     __slots__ = ()
 
 
 def escaped(text: str) -> Markup:
-    """Return a text as markup that shows it; what is markup already stays.
+    """Return a text as markup that shows it; markup is returned unchanged.
 
-    What a reader cannot see is written as its number, see :func:`fuzzy2.errors.printable`.
+    Invisible characters are written as their numbers, see :func:`fuzzy2.errors.printable`.
     """
     return text if isinstance(text, Markup) else Markup(html.escape(printable(text)))
 
@@ -55,12 +55,12 @@ def element(tag: str, *content: str, **attributes: str) -> Markup:
     Parameters
     ----------
     tag : str
-        What it is, such as ``p``.
+        Name of the element, such as ``p``.
     content : str
-        Texts, which are escaped, and markup.
+        Texts, which are escaped, or markup.
     attributes : str
-        Values by name, with ``_`` for ``-`` and a ``_`` behind Python's own words: ``class_``.
-        They are texts, whatever they hold.
+        Values by name, with ``_`` for ``-`` and a trailing ``_`` for keywords of Python, as in
+        ``class_``. They are always escaped.
     """
     said = "".join(
         f' {name.rstrip("_").replace("_", "-")}="{escaped(str(value))}"'
@@ -70,18 +70,18 @@ def element(tag: str, *content: str, **attributes: str) -> Markup:
 
 
 def data(value: Any) -> Markup:
-    """Return plain data as JSON that ends no script, for ``<script type="application/json">``."""
+    """Return data as JSON that cannot end its ``<script type="application/json">``."""
     return data_from_json(json.dumps(value, separators=(",", ":")))
 
 
 def data_from_json(text: str) -> Markup:
-    """Return JSON as :func:`data` does."""
+    """Return JSON text in the form that :func:`data` gives it."""
     return Markup(text.translate(_LEFT_IN_DATA))
 
 
 def filled(template: str, parts: Mapping[str, str]) -> Markup:
-    """Return a template with its marks, such as ``/*NAME*/``, replaced by texts and markup.
+    """Return a template whose placeholders, such as ``/*NAME*/``, are replaced by texts and markup.
 
-    All at once: a mark within what is filled in is text like any other.
+    All placeholders are replaced at once, so placeholders in the inserted texts are ordinary text.
     """
     return Markup(_MARK.sub(lambda mark: escaped(parts[mark[1]]), template))

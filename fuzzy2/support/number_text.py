@@ -1,4 +1,4 @@
-"""Numbers in text, in the one way that every program reads alike."""
+"""Numbers in text, in a form that all programs read in the same way."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ NUMBER = re.compile(
 )
 """A number, which may be infinite.
 
-Not ``1_0`` or digits of other scripts, which Python reads and other programs do not.
+``1_0`` and digits of other scripts are excluded, because only Python reads them.
 """
 
 
 def number_of(text: str) -> float:
-    """Return the number that a text is, NaN if it is none; there are no blanks around it."""
+    """Return the number that a text represents, or NaN; blanks around it are not allowed."""
     return float(text) if NUMBER.fullmatch(text) else math.nan

@@ -1,4 +1,4 @@
-"""Linear algebra on one thread."""
+"""Linear algebra on a single thread."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from threadpoolctl import threadpool_limits
 
 
 def one_thread() -> AbstractContextManager[Any]:
-    """Return a context in which this process's linear algebra takes one thread.
+    """Return a context in which linear algebra of this process uses a single thread.
 
-    Matrices here are small: threads wait for each other longer than they compute, twenty times as
-    long where other processes want the cores, too. And sums are added in another order with every
-    number of threads, so that results would depend on the machine.
+    Matrices here are small, so threads would wait for each other longer than they compute, and
+    twenty times as long if other processes need the cores, too. In addition, the order of summation
+    depends on the number of threads, so results would depend on the machine.
 
     Returns
     -------
     context manager
-        To be entered in a ``with`` statement, which costs about a millisecond.
+        Context manager for a ``with`` statement; entering it costs about a millisecond.
     """
     limits: AbstractContextManager[Any] = threadpool_limits(limits=1, user_api="blas")
     return limits

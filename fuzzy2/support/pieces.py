@@ -1,7 +1,7 @@
-"""Rows of a batch piece by piece, so that Ctrl-C is heard within a second.
+"""Processing of a batch piece by piece, so that Ctrl-C is handled within a second.
 
-Compiled code does not hear it: Python does, between two calls. What a row costs depends on what is
-asked of it, so the time that the last piece took says how large the next one is.
+Compiled code does not handle Ctrl-C; Python does, between two calls. The cost of a row is not known
+in advance, so the duration of the last piece determines the size of the next one.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from time import perf_counter
 
 FIRST = 128
-"""Rows of the first piece; all pieces are multiples of it, but the last one."""
+"""Rows of the first piece; all pieces except the last are multiples of it."""
 
 SHORT, LONG = 0.02, 0.1
 """Pieces that take less than the one grow, those that take more than the other shrink [s]. Calls
@@ -21,14 +21,14 @@ GROWTH = 4
 
 
 def pieces(rows: int, first: int = FIRST) -> Iterator[slice]:
-    """Yield slices of so many rows, in order, each after what is done with the one before.
+    """Yield consecutive slices of the rows; each follows after the work on the one before.
 
     Parameters
     ----------
     rows : int
         Number of rows.
     first : int
-        Rows of the first piece; all are multiples of it, but the last one.
+        Rows of the first piece; all pieces except the last are multiples of it.
     """
     start, size = 0, first
     while start < rows:
@@ -39,7 +39,7 @@ def pieces(rows: int, first: int = FIRST) -> Iterator[slice]:
 
 
 def next_size(size: int, seconds: float, least: int) -> int:
-    """Return how large a piece should be after one of a size took so long."""
+    """Return the size of the next piece, given the size and the duration of the last one."""
     if seconds < SHORT:
         return size * GROWTH
     return max(size // GROWTH, least) if seconds > LONG else size

@@ -1,4 +1,4 @@
-"""Values as JSON can hold them."""
+"""Values in a form that JSON can represent."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import Any
 
 
 def plain(value: Any) -> Any:
-    """Return a value in lists, dictionaries, numbers and text.
+    """Return a value as lists, dictionaries, numbers and text.
 
-    Arrays become lists and paths text. What is no finite number, for which JSON has no word,
-    becomes None.
+    Arrays become lists, and paths become text. Infinite numbers and NaN, which JSON cannot
+    represent, become None.
     """
     if hasattr(value, "tolist"):
         value = value.tolist()

@@ -1,14 +1,13 @@
-"""Plain numbers and entries of flat arrays, translated without asking numba what they mean.
+"""Direct code generation for plain numbers and entries of flat arrays, without numba's look-ups.
 
-Numba looks up what each sum, product, comparison and entry of an array is, by the types of its
-arguments, and then writes it in general terms. That is most of the time it takes to translate code
-that consists of nothing else. Here these few are written down directly, in the same instructions;
-whatever is not among them goes numba's way.
+Numba looks up the meaning of each sum, product, comparison and array entry by the types of its
+arguments, and then generates general code. That takes most of the time for code that consists of
+nothing else. Here the instructions for these few operations are generated directly; they are the
+same. All other operations are left to numba.
 
-Functions that keep to what can be written in C also mean by an index and by an array what C does:
-an index is not negative, and an array of numbers of one type shares no memory with an array of
-numbers of another. So the compiler need not read an entry of a table of whole numbers again after
-each number that is written elsewhere.
+In functions that could be written in C, indices and arrays have the same meaning as in C: an index
+is not negative, and arrays of numbers of different types share no memory. So the compiler need not
+read an entry of a table of whole numbers again after each number that is written elsewhere.
 """
 
 from __future__ import annotations
@@ -32,13 +31,13 @@ _COMPARED = {
     operator.ne: "!=",
 }
 PLAIN = frozenset({*_SUMS, *_COMPARED, operator.truediv, operator.getitem, operator.setitem})
-"""What is translated directly, where its arguments are plain."""
+"""Operations that are generated directly if their arguments are plain."""
 
 _ENTRIES = (types.float64, types.int64)
 
 
 def _is_flat(kind: Any) -> bool:
-    """Tell whether entries of an array can be read and written directly."""
+    """Return whether entries of an array can be read and written directly."""
     return (
         isinstance(kind, types.Array)
         and kind.ndim == 1
@@ -49,31 +48,31 @@ def _is_flat(kind: Any) -> bool:
 
 
 class _PlainLower(Lower):
-    """Numba's translation of a function, with plain operations written down directly."""
+    """Numba's translation of a function, with plain operations generated directly."""
 
     counts_from_the_end = True
     """Whether a negative index counts from the end of an array, as in Python."""
 
     def init(self) -> None:
-        """Begin; no array is known yet."""
+        """Start; no array is known yet."""
         super().init()
         self._entries: dict[str, tuple[Any, Any]] = {}
 
     def storevar(self, value: Any, name: str, argidx: int | None = None) -> None:
-        """Store a variable; of arrays that are arguments, keep in mind where their entries are."""
+        """Store a variable; for arrays that are arguments, remember where their entries are."""
         super().storevar(value, name, argidx)
         self._entries.pop(name, None)
         if argidx is not None and _is_flat(self.typeof(name)):
-            # The first block comes before all others.
+            # The first block dominates all others.
             self._entries[name] = self._where(self.typeof(name), value)
 
     def _where(self, kind: Any, array: Any) -> tuple[Any, Any]:
-        """Return where an array's entries begin, and how many they are."""
+        """Return the address of an array's entries, and their number."""
         model = self.context.data_model_manager[kind]
         return model.get(self.builder, array, "data"), model.get(self.builder, array, "nitems")
 
     def _entry(self, name: str, index: Any) -> Any:
-        """Return where an entry of an array is."""
+        """Return the address of an entry of an array."""
         known = self._entries.get(name)
         data, count = known or self._where(self.typeof(name), self.loadvar(name))
         if self.counts_from_the_end:
@@ -83,7 +82,7 @@ class _PlainLower(Lower):
         return self.builder.gep(data, [index])
 
     def _says_its_type(self, instruction: Any, kind: Any) -> None:
-        """Say of what type an entry is, if no other type can be there."""
+        """Declare the type of an entry, if no other type can share its memory."""
         if self.counts_from_the_end:
             return
         module, start = self.builder.module, ir.Constant(ir.IntType(64), 0)
@@ -120,14 +119,14 @@ class _PlainLower(Lower):
         return None
 
     def lower_binop(self, resty: Any, expr: Any, op: Any) -> Any:
-        """Return what an operation makes of two numbers."""
+        """Return the result of an operation on two numbers."""
         signature = self.fndesc.calltypes[expr]
         kind = signature.args[0]
         if kind not in _ENTRIES or signature.args[1] != kind:
             return super().lower_binop(resty, expr, op)
         is_sum = op in _SUMS
         is_quotient = op is operator.truediv and kind == types.float64
-        # By zero an error, if the function was not told to divide as IEEE 754 does.
+        # Division by zero is an error unless the function follows IEEE 754.
         if is_quotient and self.context.error_model.raise_on_fp_zero_division:
             is_quotient = False
         if not (is_sum or is_quotient or op in _COMPARED):
@@ -152,12 +151,12 @@ class _PlainLower(Lower):
 
 
 class _WideLower(_PlainLower):
-    """The same for functions whose loops are to become vector instructions."""
+    """The same for functions whose loops are to be vectorized."""
 
     def setup_function(self, fndesc: Any) -> None:
-        """Begin a function, which may use the longest vectors that the machine has."""
+        """Set up a function, which may use the widest vectors of the machine."""
         super().setup_function(fndesc)
-        # Attributes with a value are none that llvmlite knows.
+        # llvmlite does not know attributes with values.
         set.add(self.function.attributes, '"prefer-vector-width"="512"')
 
 
@@ -167,20 +166,20 @@ class _ScalarLower(_PlainLower):
 
 @register_pass(mutates_CFG=True, analysis_only=False)
 class PlainLowering(NativeLowering):
-    """The pass that translates a function, with plain operations written down directly."""
+    """Compiler pass that translates a function, with plain operations generated directly."""
 
     _name = "plain_lowering"
     translator: type[Lower] = _PlainLower
 
     @property
     def lowering_class(self) -> type[Lower]:
-        """Return what translates a function."""
+        """Return the class that translates a function."""
         return self.translator
 
 
 @register_pass(mutates_CFG=True, analysis_only=False)
 class WideLowering(PlainLowering):
-    """The same for functions whose loops are to become vector instructions."""
+    """The same pass for functions whose loops are to be vectorized."""
 
     _name = "wide_lowering"
     translator = _WideLower
@@ -188,7 +187,7 @@ class WideLowering(PlainLowering):
 
 @register_pass(mutates_CFG=True, analysis_only=False)
 class ScalarLowering(PlainLowering):
-    """The same for functions that mean by an index and by an array what C does."""
+    """The same pass for functions whose indices and arrays have the meaning of C."""
 
     _name = "scalar_lowering"
     translator = _ScalarLower

@@ -1,9 +1,9 @@
 r"""Areas and moments of a membership function on the continuous domain, whole and up to any point.
 
-The domain is cut at the points where the membership function has kinks, and then in halves until a
-Gauss-Legendre rule of sixteen points and the same rule on both halves agree. They must agree
-relative to the piece itself, not to the whole: the centroid of an interval type-2 set can end far
-out on a tail, where a tiny lower membership outweighs an upper one that is tinier still.
+The domain is cut at the kinks of the membership function. Each piece is halved until a
+Gauss-Legendre rule with sixteen points agrees with the same rule on both halves. The error is
+relative to the integral of the piece, not to that of the whole domain, because the centroid of an
+interval type-2 set can lie far out on a tail, where all memberships are tiny.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from fuzzy2.errors import NotApplicable
 from fuzzy2.support.checks import Array
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
-TOLERANCE = 1e-13  # of a piece's own integral: what sixteen points reach before rounding shows
-NEGLIGIBLE = 1e-280  # below it relative accuracy is lost in denormal numbers
+TOLERANCE = 1e-13  # relative to a piece's own integral; sixteen points reach it before rounding
+NEGLIGIBLE = 1e-280  # below this, denormal numbers lose relative accuracy
 MOST_PIECES = 20_000
-# halvings after which a piece at a jump is as narrow as the distance between two floats
+# number of halvings after which a piece at a jump is as narrow as the distance between two floats
 DEEPEST = 60
 
 
@@ -32,12 +32,12 @@ class Moments:
     Parameters
     ----------
     membership : callable
-        From points (...,) to grades (...,).
+        Maps points (...,) to grades (...,).
     points : (P,) array
-        Ascending points from one end of the domain to the other, with every kink that is known.
+        Ascending points from one end of the domain to the other, including every known kink.
     origin : float
-        Point :math:`x_0` about which the moment is taken; near the middle of the set little is lost
-        by cancellation.
+        Point :math:`x_0` about which the moment is taken. A point near the middle of the set keeps
+        cancellation small.
 
     Raises
     ------
@@ -58,8 +58,8 @@ class Moments:
             ).reshape(2, -1, 2)
             both = halves.sum(axis=0)
             reach = np.maximum(abs(left - origin), abs(right - origin))
-            # Points are themselves rounded, which a membership function that varies within the
-            # piece sees as noise.
+            # Points are themselves rounded, which looks like noise if a membership function varies
+            # within the piece.
             rounding = (
                 8.0
                 * np.finfo(float).eps
@@ -89,7 +89,8 @@ class Moments:
         order = np.argsort(np.concatenate(lefts), kind="stable")
         pieces = np.concatenate(values)[order]
         self._edges = np.sort(np.concatenate(edges))
-        # From both ends: what little is left on a tail must not be a difference of two large sums.
+        # Sums run from both ends, because the small remainder on a tail must not be the difference
+        # of two large sums.
         self._sums = np.concatenate([np.zeros((1, 2)), np.cumsum(pieces, axis=0)])
         self._rests = np.concatenate([np.cumsum(pieces[::-1], axis=0)[::-1], np.zeros((1, 2))])
 
@@ -104,7 +105,7 @@ class Moments:
 
     @property
     def total(self) -> tuple[float, float]:
-        """Area and moment over the whole domain."""
+        """Area and moment of the whole domain."""
         return float(self._sums[-1, 0]), float(self._sums[-1, 1])
 
     @property
@@ -130,14 +131,14 @@ class Moments:
         return float(area), float(moment)
 
     def _piece(self, x: float) -> tuple[int, float]:
-        """Return the piece that holds ``x``, which is first brought into the domain."""
+        """Return the piece that contains ``x``, which is first limited to the domain."""
         x = min(max(x, float(self._edges[0])), float(self._edges[-1]))
         return min(int(np.searchsorted(self._edges, x, side="right")) - 1, len(self._edges) - 2), x
 
     def point_of_area(self, area: float) -> float:
-        """Return the point up to which the area is ``area``.
+        """Return the point where the area from the left end equals ``area``.
 
-        Bisection within one piece, to neighboring floats.
+        It is found by bisection within one piece, down to neighboring floats.
         """
         piece = min(
             max(int(np.searchsorted(self._sums[:, 0], area, side="left")) - 1, 0),
@@ -155,5 +156,5 @@ class Moments:
 
 
 def merged(*points: ArrayLike) -> Array:
-    """Return all points in ascending order, each once."""
+    """Return all points in ascending order, without duplicates."""
     return np.unique(np.concatenate([np.asarray(some, dtype=float).ravel() for some in points]))

@@ -1,7 +1,7 @@
-"""How things show themselves: a picture by ``view()``, and HTML with a small one in notebooks.
+"""Display of objects: a figure with ``view()``, and HTML with a small picture in notebooks.
 
-Small pictures are plain SVG, made without a plotting library; who draws the others is said in
-:mod:`fuzzy2.support.viewers`.
+Small pictures are plain SVG, made without a plotting library. :mod:`fuzzy2.support.viewers` knows
+the function that draws figures.
 """
 
 from __future__ import annotations
@@ -19,22 +19,22 @@ WIDTH, HEIGHT = 180.0, 48.0
 """Size of a small picture in pixels."""
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f")
-"""Colors of curves; those of Okabe and Ito, which color-blind people tell apart."""
+"""Colors of curves, from Okabe and Ito, which color-blind people can distinguish."""
 
 Curve = tuple[Array, Array]
 """Lower and upper grades at the points of a small picture."""
 
 
 class Shown:
-    """What can be looked at."""
+    """Base of objects that can be displayed."""
 
     def view(self, axes: Any = None) -> tuple[Any, ...]:
-        """Draw this; see :func:`fuzzy2.view`.
+        """Draw this object; see :func:`fuzzy2.view`.
 
         Parameters
         ----------
         axes : Axes or sequence of them, optional
-            Those of a new figure by default.
+            Axes to draw into; by default, those of a new figure.
 
         Returns
         -------
@@ -45,18 +45,18 @@ class Shown:
         return drawn
 
     def _repr_html_(self) -> Markup:
-        """Return what a notebook shows."""
+        """Return the HTML that a notebook shows."""
         return element("code", repr(self))
 
 
 def captioned(picture: Markup, text: str) -> Markup:
-    """Return a picture with a text below, of which nothing is taken for HTML."""
+    """Return a picture with a text below it; the text is escaped."""
     caption = element("figcaption", element("code", text))
     return element("figure", picture, caption, style="margin:0;display:inline-block")
 
 
 def table(rows: Sequence[Sequence[str]]) -> Markup:
-    """Return rows of cells, texts or markup, as a table."""
+    """Return rows of cells, which are texts or markup, as a table."""
     cells = (joined(element("td", cell, style=LEFT) for cell in row) for row in rows)
     return element("table", *(element("tr", row) for row in cells))
 
@@ -64,21 +64,21 @@ def table(rows: Sequence[Sequence[str]]) -> Markup:
 def small_picture(
     ends: tuple[float, float], curves: Sequence[Curve], points: Array, name: str
 ) -> Markup:
-    """Return curves between ``ends`` as SVG; ``name`` is read to those who cannot see it.
+    """Return curves between ``ends`` as SVG; ``name`` is its description for screen readers.
 
     Parameters
     ----------
     ends : (float, float)
-        Ends of the abscissa.
+        Ends of the horizontal axis.
     curves : sequence of pairs of (N,) arrays
-        Lower and upper grades; their area is filled where they differ.
+        Lower and upper grades; the area between them is filled.
     points : (N,) array
-        Where the grades are.
+        Points of the grades.
     name : str
-        What is shown.
+        Description of the picture.
     """
     left, right = ends
-    # Divided first: the distance of the ends may be no float.
+    # Divided first, because the distance between the ends may overflow.
     width = max(right / 2.0 - left / 2.0, np.finfo(float).tiny)
     across = 2.0 + (WIDTH - 4.0) * np.clip((points / 2.0 - left / 2.0) / width, 0.0, 1.0)
     shapes = [element("title", name)]

@@ -1,4 +1,4 @@
-"""Files: text is read with errors that name the line, anything is written whole or not at all."""
+"""Files: errors in text name the line, and files are written completely or not at all."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ STANDARD_STREAMS = (1, 2)
 """Descriptors of standard output and standard error."""
 
 NO_SYNC_OF_FOLDERS = (errno.EINVAL, errno.ENOTSUP, errno.EACCES)
-"""What file systems answer whose folders cannot be synchronized, or not by us."""
+"""Errors of file systems whose folders cannot be synchronized, or not with our permissions."""
 
 
 def read_text(path: str | os.PathLike[str], most: int = LARGEST_NUMBERS) -> str:
-    """Return the text of a file in UTF-8 of at most so many bytes.
+    """Return the text of a UTF-8 file, whose size is limited.
 
-    With or without a byte order mark.
+    A byte order mark is removed.
 
     Raises
     ------
     MalformedFile
-        If it is not UTF-8; it names the line.
+        If the file is not UTF-8; the message names the line.
     OSError
-        If it cannot be read, or is larger than a reader takes.
+        If the file cannot be read or is too large.
     """
     content = content_of(path, most)
     try:
@@ -47,7 +47,7 @@ def read_text(path: str | os.PathLike[str], most: int = LARGEST_NUMBERS) -> str:
 
 
 def write_text(text: str, path: str | os.PathLike[str]) -> None:
-    """Write a text file as a whole, as :func:`written_whole` does."""
+    """Write a text file completely or not at all, as :func:`written_whole` does."""
     with written_whole(path) as file:
         file.write(text)
 
@@ -56,16 +56,17 @@ def write_text(text: str, path: str | os.PathLike[str]) -> None:
 def written_whole(
     path: str | os.PathLike[str], mode: Literal["w", "wb"] = "w"
 ) -> Iterator[IO[Any]]:
-    """Open a file for writing that replaces what is there only once it is complete.
+    """Open a file for writing that replaces the existing file only when it is complete.
 
-    Whoever reads the file at the same time, or after a crash, finds the old one or the new one,
-    never a part. Until it is complete the new one has a random name in the same folder; any
-    exception removes it, and what a killed process left of one is removed by whoever saves next in
-    that folder. What was saved survives a loss of power: file and folder are synchronized.
+    A program that reads the file at the same time, or after a crash, finds the old file or the new
+    file, never a part. Until it is complete, the new file has a random name in the same folder. An
+    exception removes it; if the process is killed, the next process that saves a file in that
+    folder removes it. A saved file survives a loss of power, because file and folder are
+    synchronized.
 
-    Behind a symbolic link the file is replaced, not the link. The new file has the permissions of
-    the old one, and its owner where that is allowed. Only what cannot be replaced is written
-    directly: a pipe, a device, and a file that is standard output.
+    If the path is a symbolic link, its target is replaced, not the link. The new file has the
+    permissions of the old one, and its owner if that is allowed. Pipes, devices and a file that is
+    standard output cannot be replaced and are written directly.
 
     Parameters
     ----------
@@ -82,10 +83,9 @@ def written_whole(
     Raises
     ------
     InvalidValue
-        If it is no path.
+        If ``path`` is not a path.
     FileNotWritten
-        If the file cannot be written or is marked read-only; an ``OSError``. What was there before
-        remains.
+        If the file cannot be written or is marked read-only; an ``OSError``. The old file is kept.
     """
     name = os.fspath(named_path(path))
     target = os.path.realpath(name)
@@ -98,21 +98,21 @@ def written_whole(
             with _opened(name, mode) as file:
                 yield file
     except OSError as error:
-        # What fails while an open file is written to names no file, and nobody knows the draft.
+        # Errors while writing to an open file do not name a file, and users do not know the draft.
         if error.errno is None or not (error.filename in (None, name) or is_draft(error.filename)):
             raise
         raise FileNotWritten(error.errno, error.strerror or "", name) from error
 
 
 def made_folder(path: str | os.PathLike[str]) -> Path:
-    """Return a folder, which is made, with those that it is in, if it is not there.
+    """Return a folder, which is made, with its parents, if it does not exist.
 
     Raises
     ------
     InvalidValue
-        If it is no path.
+        If ``path`` is not a path.
     FileNotWritten
-        If it cannot be made.
+        If the folder cannot be made.
     """
     named_path(path)
     try:
@@ -124,13 +124,13 @@ def made_folder(path: str | os.PathLike[str]) -> Path:
 
 
 def _status(name: str) -> os.stat_result | None:
-    """Return the status of a file, or None if there is none, as behind a dangling link."""
+    """Return the status of a file, or None if it does not exist, as behind a dangling link."""
     try:
         status = os.stat(name)
     except FileNotFoundError:
         return None
-    # Root may write to all files, and a directory lets replace any; one that is marked read-only
-    # is nonetheless meant to stay as it is.
+    # Root can write to all files, and a folder's permissions allow replacing any file in it. A file
+    # marked read-only is still meant to be kept.
     if not (status.st_mode & 0o222 and os.access(name, os.W_OK)):
         is_mounted_so = os.statvfs(name).f_flag & os.ST_RDONLY
         code = errno.EROFS if is_mounted_so else errno.EACCES
@@ -151,11 +151,11 @@ def _can_be_replaced(status: os.stat_result) -> bool:
 @contextmanager
 def _replacing(target: str, mode: str, status: os.stat_result | None) -> Iterator[IO[Any]]:
     folder = os.path.dirname(target)
-    # First, for what killed processes left may be what fills the disk.
+    # Done first, because abandoned drafts may be what fills the disk.
     clear_drafts(folder)
     draft = None
     try:
-        # The mode "x" makes the file, with the permissions that the umask leaves.
+        # The mode "x" creates the file with the permissions that the umask allows.
         draft, opened = new_draft(folder, lambda path: _opened(path, mode.replace("w", "x")))
         with opened as file:
             if status is not None:
@@ -165,7 +165,7 @@ def _replacing(target: str, mode: str, status: os.stat_result | None) -> Iterato
             yield file
             file.flush()
             os.fsync(file.fileno())
-            # While it is open, and so locked.
+            # The lock is held while the draft is open.
             os.replace(draft, target)
         _synchronize(folder)
     except BaseException:
@@ -176,7 +176,7 @@ def _replacing(target: str, mode: str, status: os.stat_result | None) -> Iterato
 
 
 def _synchronize(folder: str) -> None:
-    """Let the name of a new file survive a loss of power, not only its content."""
+    """Make the name of a new file, not only its content, survive a loss of power."""
     try:
         descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
         try:

@@ -1,3 +1,3 @@
-"""The version, apart from the facade, so that nothing has to import the facade for it."""
+"""The version, in its own module so that it can be imported without the facade."""
 
 __version__ = "0.2.0"

@@ -1,7 +1,8 @@
-"""The function that draws what ``view()`` is called on.
+"""The function that implements ``view()``.
 
-Figures stand above what they show, so nothing that can be shown knows them: the facade, which knows
-both, says who draws. Nothing is imported here, because a facade is.
+Figures import the objects that they show, so these objects cannot import figures. The facade
+imports both and registers the function that draws. This module imports nothing, because the facade
+imports it.
 """
 
 from __future__ import annotations
@@ -13,10 +14,10 @@ _viewers: list[Callable[..., Any]] = []
 
 
 def viewed_by(viewer: Callable[..., Any]) -> None:
-    """Say who draws: a function of the thing and of the axes to draw into."""
+    """Register the function that draws an object into axes."""
     _viewers[:] = [viewer]
 
 
 def viewer() -> Callable[..., Any]:
-    """Return who draws."""
+    """Return the registered function."""
     return _viewers[0]

@@ -1,8 +1,9 @@
-"""What a rule asks for, as a tree: *and*, *or*, *not* and hedges over ``input is term``.
+"""Antecedents of rules as trees of *and*, *or*, *not* and hedges over ``input is term``.
 
-In a rule in words, variables and terms are names; in a system they are numbers. Intervals of grades
-go through a tree end by end, and change sides where it falls. An input that stands in a tree twice
-counts as two: the result then holds all grades that the true one can have, and more.
+Variables and terms are names in rules in words, and numbers in a system. Intervals of grades are
+propagated through a tree end by end, and the ends are swapped where a function decreases. If an
+input occurs twice in a tree, its occurrences are treated as independent, so the resulting interval
+contains the true one but can be wider.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from fuzzy2.systems.hedges import Hedge, Scaled, intensify, relax
 
 @dataclass(frozen=True)
 class Is:
-    """``variable is term``; the term ``None`` stands for any value.
+    """The clause ``variable is term``; the term ``None`` stands for any value.
 
     Parameters
     ----------
@@ -59,7 +60,7 @@ class Not:
 
 @dataclass(frozen=True)
 class Hedged:
-    """The part holds as strictly as a word says."""
+    """The part holds as strictly as the word of a hedge says."""
 
     hedge: Hedge
     part: Antecedent
@@ -69,7 +70,7 @@ Antecedent: TypeAlias = Is | And | Or | Not | Hedged
 
 
 def leaves(tree: Antecedent) -> Iterator[Is]:
-    """Yield the parts ``variable is term`` of a tree from left to right."""
+    """Yield the clauses ``variable is term`` of a tree from left to right."""
     match tree:
         case Is():
             yield tree
@@ -81,7 +82,7 @@ def leaves(tree: Antecedent) -> Iterator[Is]:
 
 
 def mapped(tree: Antecedent, change: Callable[[Is], Antecedent]) -> Antecedent:
-    """Return a tree with other leaves."""
+    """Return a tree with its leaves replaced."""
     match tree:
         case And(parts):
             return And(tuple(mapped(part, change) for part in parts))
@@ -95,7 +96,7 @@ def mapped(tree: Antecedent, change: Callable[[Is], Antecedent]) -> Antecedent:
 
 
 def clauses_of(tree: Antecedent) -> tuple[Is, ...] | None:
-    """Return the leaves of a conjunction of different inputs; None of what is more than that."""
+    """Return the leaves of a conjunction of different inputs; None for any other tree."""
     parts = tree.parts if isinstance(tree, And) else (tree,)
     flat: list[Is] = []
     for part in parts:
@@ -107,7 +108,7 @@ def clauses_of(tree: Antecedent) -> tuple[Is, ...] | None:
 
 
 def rows_of(trees: Sequence[Antecedent], inputs: int) -> NDArray[np.int64] | None:
-    """Return rules as numbers of terms (R, p), or None if a tree is more than a conjunction."""
+    """Return rules as numbers of terms (R, p), or None if a tree is not a plain conjunction."""
     rows = np.full((len(trees), inputs), -1, dtype=np.int64)
     for row, tree in zip(rows, trees, strict=True):
         clauses = clauses_of(tree)
@@ -119,7 +120,7 @@ def rows_of(trees: Sequence[Antecedent], inputs: int) -> NDArray[np.int64] | Non
 
 
 def trees_of(rules: NDArray[np.int64]) -> tuple[Antecedent, ...]:
-    """Return the trees of rules that are numbers of terms (R, p)."""
+    """Return the trees of rules that are given as numbers of terms (R, p)."""
     trees: list[Antecedent] = []
     for row in rules.tolist():
         asked = tuple(Is(i, term) for i, term in enumerate(row) if term >= 0)
@@ -128,12 +129,12 @@ def trees_of(rules: NDArray[np.int64]) -> tuple[Antecedent, ...]:
 
 
 def check_numbers(tree: Any, counts: Sequence[int], number: int) -> None:
-    """Refuse what is no tree, and numbers of inputs and terms that there are not.
+    """Refuse invalid trees, and numbers of inputs and terms that do not exist.
 
     Raises
     ------
     InvalidValue
-        It names the rule.
+        If a tree is invalid; the message names the rule.
     """
     what = f"rule {number}"
     if isinstance(tree, And | Or):
@@ -167,13 +168,13 @@ def strength(
 ) -> Array:
     """Return the firing intervals (n, 2) of a tree.
 
-    What is not both is either of the complements, and so on down to the terms: 1 - (1 - g) rounds a
-    small g away.
+    Complements are moved down to the terms by De Morgan's laws, because 1 - (1 - g) would lose a
+    small g by rounding.
 
     Parameters
     ----------
     tree : Is, And, Or, Not or Hedged
-        What a rule asks for, by number.
+        Antecedent of a rule, by numbers.
     grades : sequence of p (n, terms, 2) arrays
         Grades of each input in its terms.
     both, either : TNorm and TConorm
@@ -199,15 +200,15 @@ def strength(
 
 
 def dual_conorm(norm: TNorm) -> TConorm:
-    """Return the t-conorm by which complements are united where a t-norm joins grades."""
+    """Return the t-conorm that De Morgan's laws assign to a t-norm."""
     known = next((one for one in T_CONORMS.values() if one.dual == norm), None)
     return known or TConorm(f"dual of {norm.name}", lambda a, b: 1.0 - norm(1.0 - a, 1.0 - b), norm)
 
 
-# Steps of a tree for the compiled loop, which goes through them with a stack: a number from 0 is
-# that of a term, whose grade is put on top. BOTH_NOT and EITHER_NOT join complements, by the t-norm
-# dual to what *or* means, and the t-conorm dual to what *and* means.
-# Hedges are followed by a number: their power, or factor, or none that counts.
+# Steps of a tree for the compiled loop, which evaluates them with a stack. A number from 0 is that
+# of a term, whose grade is pushed. BOTH_NOT and EITHER_NOT combine complements, with the t-norm
+# dual to the t-conorm of *or*, and with the t-conorm dual to the t-norm of *and*. A hedge is
+# followed by a number: its power, its factor, or a number that is not used.
 ONE, AND, OR, NOT, POWER, BOTH_NOT, EITHER_NOT = -1, -2, -3, -4, -5, -6, -7
 INTENSIFY, RELAX, SCALED = -8, -9, -10
 
@@ -215,7 +216,7 @@ INTENSIFY, RELAX, SCALED = -8, -9, -10
 def program_of(
     tree: Antecedent, offsets: Sequence[int], negated: bool = False
 ) -> list[float] | None:
-    """Return the steps by which the compiled loop finds a tree's strength, or None if it cannot.
+    """Return the steps that compute a tree's strength in the compiled loop, or None if it cannot.
 
     ``offsets`` are the numbers of the first terms of the inputs, counted over all inputs;
     ``negated`` is as in :func:`strength`.
@@ -246,7 +247,7 @@ def program_of(
 
 
 def hedge_step(hedge: Hedge) -> tuple[float, float] | None:
-    """Return the code of a hedge and its number, or None of a function of one's own."""
+    """Return the code of a hedge and its number, or None for a user-defined function."""
     if hedge.power is not None:
         return POWER, hedge.power
     if isinstance(hedge.function, Scaled):
@@ -257,7 +258,7 @@ def hedge_step(hedge: Hedge) -> tuple[float, float] | None:
 
 
 def depth_of(tree: Antecedent) -> int:
-    """Return how many numbers lie on the stack at most."""
+    """Return the greatest number of values on the stack."""
     match tree:
         case And(parts) | Or(parts):
             return max(depth_of(part) + (1 if i else 0) for i, part in enumerate(parts))

@@ -1,8 +1,8 @@
-r"""Systems whose rules ask how near clouds of data are, the AnYa of Angelov and Yager.
+r"""Systems whose rules depend on the density of data clouds: AnYa by Angelov and Yager.
 
-IEEE Std 1855-2016 has them as a rule base of its own: instead of a membership function a rule has a
-cloud, data of one input, and fires by how dense they are about the input, relative to the other
-rules.
+IEEE Std 1855-2016 defines a rule base for them. Instead of a membership function, a rule has a
+cloud, which is a set of data of one input. The rule fires by the density of its cloud around the
+input, relative to the densities of the other rules.
 """
 
 from __future__ import annotations
@@ -31,17 +31,17 @@ from fuzzy2.systems.system import FuzzySystem
 from fuzzy2.systems.words import rules_in_words
 
 STEP = 1e-3
-"""Step of differences, in units of a cloud's range and the 1 that distances are set against."""
+"""Step of differences, relative to a cloud's range plus 1, the scale of the densities."""
 
 
 @dataclass(frozen=True, repr=False)
 class CloudExplanation(Explanation):
-    """Why a system of clouds gives an output; its picture is that of what the densities do.
+    """Explanation of an output of an AnYa system; its picture shows the inner system.
 
     Parameters
     ----------
     inference : Explanation
-        The explanation of the consequents, of which the relative densities are the inputs.
+        The explanation of the inner system, whose inputs are the relative densities.
     """
 
     inference: Explanation
@@ -55,8 +55,8 @@ class CloudExplanation(Explanation):
 class AnYaSystem(Shown):
     r"""System of rules whose antecedents are clouds of data.
 
-    The density of the cloud :math:`d_1, \dots, d_m` about its input x, and the firing of antecedent
-    i, which asks for cloud c(i), are
+    The density of the cloud :math:`d_1, \dots, d_m` around its input x, and the firing of
+    antecedent i, which uses cloud c(i), are
 
     .. math::
 
@@ -66,20 +66,20 @@ class AnYaSystem(Shown):
     Parameters
     ----------
     clouds : sequence of sequence of float
-        Data of each input, at least one.
+        Data of each input; each cloud needs at least one number.
     asked : sequence of R int
-        For each antecedent the number of its cloud.
+        Number of the cloud of each antecedent.
     consequents : FuzzySystem
-        What becomes of the R firings, which are its inputs: one term each, whose grade is the
-        firing itself, ``Trapezoidal(0.0, 1.0, inf, inf)``, and rules that ask for it or, as
-        *else*, for its complement.
+        The inner system, whose inputs are the R firings. Each input has one term whose grade is the
+        firing itself, ``Trapezoidal(0.0, 1.0, inf, inf)``. The rules use this term, or its
+        complement for *else*.
     input_names : sequence of str, optional
         Names of the inputs; ``"x1"``, ``"x2"``, … by default.
 
     Raises
     ------
     InvalidValue
-        If a cloud is empty or not finite, or the numbers do not go together.
+        If a cloud is empty or not finite, or if numbers of inputs, clouds and firings do not match.
 
     References
     ----------
@@ -134,12 +134,12 @@ class AnYaSystem(Shown):
         return f"AnYaSystem({len(self.clouds)} clouds, {self.consequents!r})"
 
     def relative_densities(self, X: Any) -> Array:
-        """Return the firing of the antecedents, which adds up to 1.
+        """Return the firing of the antecedents; the values of all antecedents add up to 1.
 
         Parameters
         ----------
         X : (..., p) array_like, mapping or data frame
-            Inputs, one of each cloud.
+            Inputs, one for each cloud.
 
         Returns
         -------
@@ -149,7 +149,7 @@ class AnYaSystem(Shown):
         Raises
         ------
         InvalidValue
-            If the inputs are not finite or of another shape.
+            If the inputs are not finite or have a wrong shape.
         """
         from fuzzy2.systems.anya_kernels import relative_densities
 
@@ -164,7 +164,7 @@ class AnYaSystem(Shown):
         return out
 
     def _checked(self, X: Any) -> Array:
-        """Return inputs (..., p) of any make."""
+        """Return the inputs (..., p), given as an array or by name."""
         x = reals("X", by_name(X, self.input_names, self._named))
         if x.shape[-1:] != (len(self.clouds),):
             raise InvalidValue("X", x.shape, f"of shape (..., {len(self.clouds)})")
@@ -178,17 +178,18 @@ class AnYaSystem(Shown):
         X : (..., p) array_like, mapping or data frame
             Inputs.
         **named
-            The same as keywords.
+            Inputs as keyword arguments instead of ``X``.
 
         Returns
         -------
         (..., m) ndarray
-            Outputs. Of a DataFrame or Series of pandas the like, see :class:`fuzzy2.FuzzySystem`.
+            Outputs. For a DataFrame or Series of pandas, the same type is returned, see
+            :class:`fuzzy2.FuzzySystem`.
 
         Raises
         ------
         InvalidValue
-            If the inputs are not finite or of another shape.
+            If the inputs are not finite or have a wrong shape.
         """
         if named and X is not None:
             raise InvalidValue("X", X, "left out where inputs are given by name")
@@ -198,7 +199,7 @@ class AnYaSystem(Shown):
         return outputs
 
     def type_reduced(self, X: ArrayLike) -> Array:
-        """Return the type-reduced intervals (..., m, 2), see :meth:`FuzzySystem.type_reduced`.
+        """Return the type-reduced intervals (..., m, 2); see :meth:`FuzzySystem.type_reduced`.
 
         Parameters
         ----------
@@ -208,12 +209,12 @@ class AnYaSystem(Shown):
         Raises
         ------
         InvalidValue
-            If the inputs are not finite or of another shape.
+            If the inputs are not finite or have a wrong shape.
         """
         return self.consequents.type_reduced(self.relative_densities(X))
 
     def firing(self, X: ArrayLike) -> Array:
-        """Return the firing intervals (..., R, 2) of the rules of the consequents.
+        """Return the firing intervals (..., R, 2) of the rules of the inner system.
 
         Parameters
         ----------
@@ -223,15 +224,15 @@ class AnYaSystem(Shown):
         Raises
         ------
         InvalidValue
-            If the inputs are not finite or of another shape.
+            If the inputs are not finite or have a wrong shape.
         """
         return self.consequents.firing(self.relative_densities(X))
 
     def gradient(self, X: ArrayLike) -> Array:
-        r"""Return the derivatives of the crisp outputs by the inputs.
+        r"""Return the derivatives of the crisp outputs with respect to the inputs.
 
-        They are the chain rule's, with :math:`\delta_{ij} = 1` where antecedent i asks for cloud
-        j, and else 0,
+        They follow from the chain rule, with :math:`\delta_{ij} = 1` where antecedent i uses cloud
+        j and 0 elsewhere,
 
         .. math::
 
@@ -241,9 +242,9 @@ class AnYaSystem(Shown):
             \frac{\partial \ln \gamma_j}{\partial x_j}
             = - \frac{\sum_k \operatorname{sign}(x_j - d_k)}{m + \sum_k |x_j - d_k|}
 
-        where the consequents have a derivative by formula (:meth:`FuzzySystem.gradient`), and
-        sixth-order differences elsewhere. A density has a kink at each datum; the formula takes the
-        slope of its right side there.
+        if the inner system has an analytic derivative (:meth:`FuzzySystem.gradient`), and from
+        sixth-order differences otherwise. A density has a kink at each datum, where the formula
+        gives the right-hand derivative.
 
         Parameters
         ----------
@@ -258,7 +259,7 @@ class AnYaSystem(Shown):
         Raises
         ------
         InvalidValue
-            If the inputs are not finite or of another shape.
+            If the inputs are not finite or have a wrong shape.
         """
         x = self._checked(X)
         rows = x.reshape(-1, len(self.clouds))
@@ -292,19 +293,20 @@ class AnYaSystem(Shown):
         Returns
         -------
         CloudExplanation
-            See :meth:`FuzzySystem.explain`; a rule asks whether a cloud is dense about an input.
+            See :meth:`FuzzySystem.explain`. An antecedent reads "input is dense" for the cloud of
+            that input.
 
         Raises
         ------
         InvalidValue
-            If the input is not finite, of another shape, or more than one.
+            If the input is not finite, has a wrong shape, or is not a single input.
         """
         row = self._checked(x)
         if row.ndim != 1:
             raise InvalidValue("x", row.shape[:-1], "one input: a row of numbers, or one by name")
         inner = self.consequents.explain(self.relative_densities(row))
         return CloudExplanation(
-            # Of it names are asked only; what is drawn is the inner system.
+            # Only names are taken from this object; the picture is that of the inner system.
             cast(Explainable, self),
             np.array(row),
             inner.outputs,

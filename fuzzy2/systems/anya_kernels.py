@@ -1,4 +1,4 @@
-"""Compiled densities of clouds of data; :mod:`fuzzy2.systems.anya` is their face."""
+"""Compiled densities of data clouds, which :mod:`fuzzy2.systems.anya` calls."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ def densities_in(
     out: Array,
     oo: int,
 ) -> None:
-    """Do as ``relative_densities`` for the finite row at ``xo``; densities go to ``oo`` and on.
+    """Do as ``relative_densities`` for the finite row at ``xo``; write densities from ``oo`` on.
 
-    ``away`` is room for a number a cloud.
+    ``away`` is scratch space for one number per cloud.
     """
     for c in range(away.size):
         away[c] = 0.0
         count = starts[c + 1] - starts[c]
         for k in range(starts[c], starts[c + 1]):
-            # Half of it, for a distance may be no float.
+            # Half of the distance is used, because the distance may overflow.
             away[c] += abs(0.5 * x[xo + c] - 0.5 * data[k]) / count
     nearest, total = math.inf, 0.0
     for i in range(asked.size):
         nearest = min(nearest, away[asked[i]])
     for i in range(asked.size):
-        # Relative to the greatest, for all of them may be tiny.
+        # Values are taken relative to the greatest, because all of them may be tiny.
         density = (0.5 + nearest) / (0.5 + away[asked[i]])
         out[oo + i] = density
         total += density
@@ -50,8 +50,9 @@ def relative_densities(
 ) -> int:
     """Write the relative densities (rows, R) of flat inputs.
 
-    Return -1 or the first row that is not finite. ``data`` holds the clouds one after the other,
-    ``starts`` where each begins and the last ends, ``asked`` the cloud of each antecedent.
+    Return -1, or the number of the first row that is not finite. ``data`` holds the clouds one
+    after the other, ``starts`` the places where each begins and where the last ends, and ``asked``
+    the cloud of each antecedent.
     """
     clouds = starts.size - 1
     away = np.empty(clouds)

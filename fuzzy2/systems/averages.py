@@ -1,4 +1,4 @@
-"""Answers of a system by averages over its rules."""
+"""Outputs that are averages over the rules of a system."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from fuzzy2.systems.terms import highest_point, spread
 
 _HALVINGS = 100
 _BEYOND = 1e6
-"""Widths within which consequents without a range are asked for grades."""
+"""Distance, in widths of a set, within which consequents without a range are searched."""
 
 
 def averaged(
@@ -43,10 +43,10 @@ def averaged(
     weights : (..., R, 2) array
         Weight intervals.
     method : str
-        An exact method, or one of ``DIRECT_METHODS``, which gives both ends the same number; of Wu
-        and Mendel's bounds the middles are taken.
+        An exact method, or one of ``DIRECT_METHODS``, which returns the same number for both ends.
+        For the Wu-Mendel bounds, the middles of the bounds are returned.
     shares : (float, float)
-        Weights of the lower and the upper average in that of Begian, Melek and Mendel.
+        Weights of the lower and the upper average in the Begian-Melek-Mendel method.
     """
     if method not in DIRECT_METHODS:
         return generalized_centroid(points, weights, method)
@@ -65,14 +65,14 @@ def averaged(
 def averaged_in_logarithms(
     points: Array, logarithms: Array, method: str, shares: tuple[float, float] = (0.5, 0.5)
 ) -> Array:
-    """Do as :func:`averaged` for points (R, 2) or (n, R, 2) and logarithms of weights (n, R, 2)."""
+    """Do as :func:`averaged`, with points (R, 2) or (n, R, 2) and logarithms of weights."""
     if method not in DIRECT_METHODS:
         return centroid_in_logarithms(points, logarithms)
     if method == "wu_mendel":
         return bounds_in_logarithms(points, logarithms)
     middles = points.mean(axis=-1)
     if method == "nie_tan":
-        # Its weights are the sums of both.
+        # The weight of a rule is the sum of its lower and upper weight.
         both = np.logaddexp(logarithms[..., 0], logarithms[..., 1])
         middle = average_in_logarithms(middles, both)
     else:
@@ -82,7 +82,7 @@ def averaged_in_logarithms(
 
 
 def heights(sets: Sequence[Any]) -> tuple[Array, Array]:
-    """Return the highest points (R,) of sets, and the grades there (R, 2)."""
+    """Return the points of greatest membership (R,) of sets, and the grades there (R, 2)."""
     points = np.array([highest_point(item) for item in sets])
     both = zip(sets, points, strict=True)
     return points, np.array([[float(item.lower(at)), float(item.upper(at))] for item, at in both])
@@ -91,7 +91,7 @@ def heights(sets: Sequence[Any]) -> tuple[Array, Array]:
 def height_weights(
     sets: Sequence[Any], strengths: Array, implication: TNorm, modified: bool
 ) -> tuple[Array, Array]:
-    """Return the points (R,) and weights (n, R, 2) of the height reducer, or the modified one."""
+    """Return points (R,) and weights (n, R, 2) of the height reducer, or of the modified one."""
     points, grades = heights(sets)
     weights = implication(strengths, grades)
     if modified:
@@ -111,7 +111,7 @@ def log_height_weights(
 def weighted_sum(intervals: Array, strengths: Array) -> Array:
     """Return the sums (n, 2) of intervals (n or 1, R, 2) with weights (n, R, 2).
 
-    NaN where no rule fires.
+    A sum is NaN where no rule fires.
     """
     products = strengths[..., :, np.newaxis] * intervals[..., np.newaxis, :]
     ends = products.reshape(*products.shape[:-2], 4)
@@ -121,20 +121,20 @@ def weighted_sum(intervals: Array, strengths: Array) -> Array:
 
 
 class Monotonic:
-    """Consequents of Tsukamoto: each is asked for the point where it has a grade.
+    """Monotonic consequents for Tsukamoto's average of the points where they have given grades.
 
     Parameters
     ----------
     sets : sequence of R type-1 sets
-        Sets that rise all the way, or fall all the way, within the range.
+        Sets that are monotonic within the range.
     ends : (float, float), optional
-        Range of the output. A grade that a set does not reach within it is taken at the end where
-        the set is nearest to it. Without a range the set is asked wherever it lives.
+        Range of the output. If a set does not reach a grade within the range, the end with the
+        nearest grade is used. Without a range, points anywhere on the line are used.
 
     Raises
     ------
     NotApplicable
-        If a set does not, which is looked for at 257 points and its landmarks.
+        If a set is not monotonic at 257 points and its landmarks.
     """
 
     def __init__(self, sets: Sequence[Any], ends: tuple[float, float] | None) -> None:
@@ -174,17 +174,18 @@ class Monotonic:
                 low, high = np.where(before, middle, low), np.where(before, high, middle)
             found[:, r] = 0.5 * (low + high)
             if not self.is_bounded:
-                # A grade that is approached but never reached, as 1 by a sigmoid, is at infinity.
+                # A grade that is approached but never reached, such as 1 for a sigmoid, is at
+                # infinity.
                 fires = strengths[:, r] > 0.0
                 found[fires & (high == self.ends[1]), r] = np.inf
                 found[fires & (low == self.ends[0]), r] = -np.inf
         return found
 
     def _of_sigmoid(self, item: Sigmoid, grades: Array) -> Array:
-        """Return the points of grades, which near 1 only the formula tells apart."""
+        """Return the points of grades with the formula, which alone resolves grades near 1."""
         with np.errstate(divide="ignore"):
             points = item.center - np.log((1.0 - grades) / grades) / item.slope
         if self.is_bounded:
             return np.clip(points, *self.ends)
-        # What does not fire counts for nothing, wherever it is.
+        # The point of a rule that does not fire has weight 0, wherever it is.
         return np.where(grades > 0.0, points, item.center)

@@ -1,4 +1,4 @@
-"""Which compiled loop reduces which tables; :mod:`fuzzy2.systems.output_tables` makes them."""
+"""The compiled loop for each kind of tables that :mod:`fuzzy2.systems.output_tables` makes."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ from fuzzy2.systems.union_rows import Unions, unions
 
 
 def reduced_by_loop(tables: Any, rows: Array, outputs: int) -> tuple[Array, NDArray[np.bool_]]:
-    """Return the type-reduced intervals (n, m, 2) of finite inputs (n, p), and what is refused.
+    """Return the type-reduced intervals (n, m, 2) of finite inputs (n, p), and refused rows.
 
-    Where it is refused (n,), because numbers are huge or there is no room, a row has no answer yet.
+    ``refused`` (n,) marks the rows without an answer yet, because their numbers are huge or the
+    memory is too small.
     """
     found, refused = np.empty((len(rows), outputs, 2)), np.zeros(len(rows), bool)
     if isinstance(tables, Points) and binary_exponent(rows):

@@ -18,7 +18,7 @@ from fuzzy2.systems.terms import AnySet
 
 
 class FunctionsOfInputs(ABC):
-    """Consequents that are functions of the inputs, a row for each rule."""
+    """Consequents that are functions of the inputs, with one row for each rule."""
 
     @property
     @abstractmethod
@@ -31,11 +31,11 @@ class FunctionsOfInputs(ABC):
 
     @abstractmethod
     def said(self, r: int, j: int) -> Any:
-        """Return what a rule says of an output; equal where functions are the same."""
+        """Return a value that identifies a consequent; it is equal for equal functions."""
 
 
 class Linear(Described, FunctionsOfInputs):
-    r"""Consequents of Takagi, Sugeno and Kang.
+    r"""Linear consequents of Takagi, Sugeno and Kang.
 
     :math:`z_{rj}(x) = c_{rj0} + \sum_i c_{rji} x_i`, with a spread if they are intervals.
 
@@ -53,7 +53,7 @@ class Linear(Described, FunctionsOfInputs):
         self.spreads = np.array(
             np.zeros_like(self.coefficients) if spreads is None else reals("spreads", spreads)
         )
-        # A system that has them does not change.
+        # The arrays are read-only, because a system that uses them must not change.
         self.coefficients.flags.writeable = self.spreads.flags.writeable = False
         if self.coefficients.ndim != 3 or not np.isfinite(self.coefficients).all():
             raise InvalidValue(
@@ -87,7 +87,7 @@ class Linear(Described, FunctionsOfInputs):
         return self.coefficients[r, j].tobytes(), self.spreads[r, j].tobytes()
 
     def by_input(self) -> tuple[Array, Array]:
-        """Return constants (m, R, 2) and slopes (m, R, 2 p): of the middle, then of the spread."""
+        """Return constants (m, R, 2) and slopes (m, R, 2 p), of middles and then of spreads."""
         middle, spread = (np.moveaxis(part, 0, 1) for part in (self.coefficients, self.spreads))
         constants = np.stack([middle[..., 0], spread[..., 0]], axis=-1)
         return constants, np.concatenate([middle[..., 1:], spread[..., 1:]], axis=-1)
@@ -101,13 +101,13 @@ class Linear(Described, FunctionsOfInputs):
 
 
 class OutputOf(NamedTuple):
-    """Output of another system of the same inputs, by its number, which a formula asks for."""
+    """Output of another system with the same inputs, by its number, for use in a formula."""
 
     system: Any
     output: int
 
     def __call__(self, X: Array) -> Array:
-        """Return the output (n,) at inputs (n, p); NaN where no rule of it fires."""
+        """Return the output (n,) at inputs (n, p); NaN where none of its rules fires."""
         return np.asarray(self.system(X)[:, self.output])
 
 
@@ -119,14 +119,14 @@ class Formulas(FunctionsOfInputs):
     formulas : (R, m) nested sequence of str
         The formulas; see :mod:`fuzzy2.support.formula`.
     names : sequence of p str
-        Names of the inputs in them, in order.
+        Names of the inputs in the formulas, in order.
     others : mapping of str to OutputOf, optional
-        Outputs of other systems of the same inputs by the names that formulas ask for.
+        Outputs of other systems with the same inputs, by the names that the formulas use.
 
     Raises
     ------
     InvalidValue
-        If a formula is none, or asks for another name.
+        If a text is not a formula, or uses an unknown name.
     """
 
     def __init__(
@@ -146,7 +146,7 @@ class Formulas(FunctionsOfInputs):
                 raise InvalidValue("a name in a formula", name, f"one of {', '.join(known)}")
         asked = {name for row in self._formulas for one in row for name in one.names}
         self.asked = {name: other for name, other in self.others.items() if name in asked}
-        """Those of ``others`` that a formula asks for."""
+        """The members of ``others`` that a formula uses."""
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -158,9 +158,10 @@ class Formulas(FunctionsOfInputs):
         return self.formulas[r][j]
 
     def programs(self) -> tuple[Array, NDArray[np.int64], int]:
-        """Return the formulas for :mod:`fuzzy2.support.formula_kernels`, output by output.
+        """Return the programs of the formulas (:mod:`fuzzy2.support.formula_kernels`), by output.
 
-        Their steps, where those of each begin (m R + 1,), and how many numbers they stack.
+        The result is their steps, the place where each program begins (m R + 1,), and the depth of
+        the stack.
         """
         each = [row[j].program(self.names) for j in range(self.shape[1]) for row in self._formulas]
         steps = [step for program, _ in each for step in program]
@@ -168,7 +169,7 @@ class Formulas(FunctionsOfInputs):
         return np.array(steps), places, max(deepest for _, deepest in each)
 
     def at(self, X: Array) -> Array:
-        """Return the consequents (n, R, m, 2) at inputs (n, p); NaN where a formula has none."""
+        """Return the consequents (n, R, m, 2) at inputs (n, p); NaN where one is undefined."""
         values = {name: X[:, i] for i, name in enumerate(self.names)}
         values |= {name: other(X) for name, other in self.asked.items()}
         found = np.empty((len(X), *self.shape))
@@ -179,7 +180,7 @@ class Formulas(FunctionsOfInputs):
 
 
 def as_sets(consequents: Any) -> list[list[Any]] | None:
-    """Return sets as a list of lists, or None if they are no sets."""
+    """Return sets as a list of lists, or None if the values are not sets."""
     if isinstance(consequents, np.ndarray) and consequents.dtype.kind != "O":
         return None
     try:
@@ -194,9 +195,9 @@ def as_sets(consequents: Any) -> list[list[Any]] | None:
 
 
 def centroid_interval(item: Any) -> tuple[float, float]:
-    """Centroid of a consequent, which is computed once.
+    """Centroid of a consequent, which is cached.
 
-    Of a general type-2 set that of its lowest plane.
+    For a general type-2 set it is the centroid of the lowest α-plane.
     """
     ends = np.ravel(
         item.alpha_plane(1.0).centroid() if isinstance(item, GeneralType2Set) else item.centroid()

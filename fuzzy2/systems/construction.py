@@ -1,4 +1,4 @@
-"""How the arguments of a system are read: inputs, rules, consequents, names and ranges."""
+"""Reading of a system's arguments: inputs, rules, consequents, names and ranges."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ from fuzzy2.systems.terms import AnySet
 
 
 class RulesInWords(NamedTuple):
-    """What rules in words say, as a system takes it by number.
+    """Rules in words, converted to the numbers that a system takes.
 
-    ``consequents`` are rows of sets, or an array of intervals; ``weights`` and ``silent`` are None
-    where all rules count whole and speak of every output.
+    ``consequents`` are rows of sets, or an array of intervals. ``weights`` is None if all weights
+    are 1, and ``silent`` is None if every rule has a consequent for every output.
     """
 
     rules: Any
@@ -45,8 +45,8 @@ class RulesInWords(NamedTuple):
 class Consequents(NamedTuple):
     """Consequents of a system.
 
-    As they are given, the sets if they are any, the intervals that average them, and where rules
-    are silent.
+    It holds them as given, as sets if they are sets, as intervals of their centroids, and where
+    rules have no consequent.
     """
 
     given: Any
@@ -62,7 +62,7 @@ def read_rules(
     term_names: Sequence[Sequence[str]] | None,
     hedges: Mapping[str, Hedge],
 ) -> RulesInWords:
-    """Return rules in words by number, with the consequent of each rule and its names."""
+    """Return rules in words as numbers, with the consequent of each rule and its names."""
     if input_names is None or term_names is None:
         raise InvalidValue(
             "inputs",
@@ -114,7 +114,7 @@ def _complement(meaning: Any, word: str) -> Any:
 
 
 def checked_names(what: str, given: Sequence[str] | None, count: int, stem: str) -> tuple[str, ...]:
-    """Return a name for each thing, all different; a stem and a number where none are given."""
+    """Return different names for all things; by default a stem with a number."""
     if given is None:
         return tuple(f"{stem}{i + 1}" for i in range(count))
     names = listed(what, given, f"{count} different names")
@@ -130,7 +130,7 @@ def checked_names(what: str, given: Sequence[str] | None, count: int, stem: str)
 def names_of_consequents(
     given: Sequence[Sequence[str]] | None, count: int, outputs: int
 ) -> tuple[tuple[str, ...], ...] | None:
-    """Return a name for each rule and output, or None where none are given."""
+    """Return a name for each rule and output, or None if none are given."""
     if given is None:
         return None
     requirement = f"a list of {outputs} names for each of the {count} rules"
@@ -148,7 +148,7 @@ def names_of_consequents(
 def checked_ranges(
     what: str, given: ArrayLike | None, count: int
 ) -> tuple[tuple[float, float], ...] | None:
-    """Return as many pairs of finite ends as there are things, or None where none are given."""
+    """Return one pair of finite ends for each thing, or None if none are given."""
     if given is None:
         return None
     ends = reals(what, given)
@@ -164,7 +164,7 @@ def checked_ranges(
 def checked_output_terms(
     given: Sequence[Mapping[str, Any]] | None, outputs: int
 ) -> tuple[dict[str, Any], ...] | None:
-    """Return all terms of each output by name, or None where none are given."""
+    """Return all terms of each output by name, or None if none are given."""
     if given is None:
         return None
     requirement = f"a mapping for each of the {outputs} outputs"
@@ -185,9 +185,9 @@ def listed_terms(inputs: Sequence[Sequence[Any]]) -> tuple[tuple[Any, ...], ...]
 def check_inputs(
     inputs: Sequence[Sequence[Any]], kinds: tuple[type, ...], kind_names: str, ranged: bool
 ) -> None:
-    """Refuse inputs without terms, and terms of a kind that the system does not take.
+    """Refuse inputs without terms, and terms of a kind that the system does not accept.
 
-    With a range an input may have no terms, and be there for linear consequents only.
+    An input with a range needs no terms; then only linear consequents use it.
     """
     if not inputs or not (ranged or all(inputs)):
         raise InvalidValue(
@@ -225,9 +225,9 @@ def checked_fuzzifiers(
 
 
 def checked_rules(rules: Any, inputs: Sequence[Sequence[Any]]) -> Any:
-    """Return rules (R, p) as numbers of terms, -1 where an input plays no part, or as trees.
+    """Return rules (R, p) as numbers of terms, -1 for unused inputs, or as trees.
 
-    Trees that are no more than conjunctions become numbers.
+    Trees that are plain conjunctions are converted to numbers.
     """
     counts = [len(terms) for terms in inputs]
     if (
@@ -265,9 +265,9 @@ def checked_consequents(
     kinds: tuple[tuple[type, ...], str],
     averaged: bool,
 ) -> Consequents:
-    """Return the consequents; what stands where a rule is silent does not matter.
+    """Return the consequents; values for missing consequents are ignored.
 
-    Where sets are not ``averaged``, those without a centroid of their own have NaN for it.
+    If the sets are not ``averaged``, sets without a centroid get NaN.
     """
     if isinstance(consequents, FunctionsOfInputs):
         shape = consequents.shape
@@ -352,7 +352,7 @@ def _of_sets(
 
 
 def _centroid(item: Any, needed: bool) -> tuple[float, float]:
-    """Return the centroid of a consequent; NaN if it has none, and none is needed."""
+    """Return the centroid of a consequent, or NaN if it has none and none is needed."""
     try:
         return centroid_interval(item)
     except NotApplicable:
@@ -362,7 +362,7 @@ def _centroid(item: Any, needed: bool) -> tuple[float, float]:
 
 
 def _without_none(consequents: Any, silent: ArrayLike | None) -> tuple[Any, Any]:
-    """Return consequents with a 0 for each None, and where rules are silent."""
+    """Return consequents with 0 in place of None, and where None was given."""
     try:
         rows = [list(row) for row in consequents]
     except TypeError:
@@ -378,10 +378,10 @@ def _without_none(consequents: Any, silent: ArrayLike | None) -> tuple[Any, Any]
 
 
 def _truths(silent: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.bool_]:
-    """Return an array of True and False of a shape."""
+    """Return an array of booleans of a given shape."""
     try:
         mask = np.asarray(silent)
-    except ValueError:  # its rows are of different lengths
+    except ValueError:  # the rows have different lengths
         mask = np.empty(0)
     if mask.dtype != bool or mask.shape != shape:
         raise InvalidValue("silent", silent, f"True or False, of shape {shape}")
@@ -389,7 +389,7 @@ def _truths(silent: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.bool_]:
 
 
 def _checked_silence(silent: ArrayLike | None, shape: tuple[int, ...]) -> NDArray[np.bool_] | None:
-    """Return where rules are silent, read-only; None if they speak of every output."""
+    """Return the missing consequents as a read-only array, or None if there are none."""
     if silent is None:
         return None
     reals("silent", silent, f"True or False, of shape {shape}")
@@ -403,7 +403,7 @@ def _checked_silence(silent: ArrayLike | None, shape: tuple[int, ...]) -> NDArra
 
 
 def checked_weights(weights: ArrayLike | None, count: int) -> Array | None:
-    """Return the weights of the rules, read-only; None if all are 1."""
+    """Return the weights of the rules as a read-only array, or None if all are 1."""
     if weights is None:
         return None
     given = reals("weights", weights)
@@ -413,7 +413,7 @@ def checked_weights(weights: ArrayLike | None, count: int) -> Array | None:
 
 
 def checked_defaults(given: Sequence[float | None] | None, outputs: int) -> Array | None:
-    """Return the default outputs (m,), NaN where there is none; None if there are none at all."""
+    """Return the default outputs (m,), NaN for missing ones; None if there are none at all."""
     if given is None:
         return None
     requirement = f"{outputs} finite numbers, or None where there is none"

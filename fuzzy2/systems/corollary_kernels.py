@@ -1,4 +1,4 @@
-"""Compiled loops of the Gaussian corollary; :mod:`fuzzy2.systems.general_type2` is their face."""
+"""Compiled loops of the Gaussian corollary, which :mod:`fuzzy2.systems.general_type2` calls."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ def corollary_in(
     out: Array,
     oo: int,
 ) -> None:
-    """Do as ``evaluate_corollary`` for the finite row at ``xo``; outputs go to ``oo`` and on.
+    """Do as ``evaluate_corollary`` for the finite row at ``xo``; write the outputs from ``oo`` on.
 
-    ``work`` is as of ``evaluate_in``.
+    ``work`` is scratch space as in ``evaluate_in``.
     """
     inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
     grades, mean, sigma, _, _, _, _ = rooms(table, work)
@@ -70,7 +70,7 @@ def evaluate_corollary(
 ) -> int:
     """Write mean and standard deviation (rows, m, 2) by the Gaussian corollary (eq. 1.107, 1.108).
 
-    Return as ``evaluate``.
+    The return value is that of ``evaluate``.
 
     ``middles`` and ``spreads`` (R m,) are means and standard deviations of the consequents; firing
     strengths are Gaussian numbers with the moments of eq. 1.30.

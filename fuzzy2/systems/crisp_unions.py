@@ -1,8 +1,8 @@
-"""Compiled bisectors and points of the greatest grade of type-1 unions, without a grid.
+"""Compiled bisectors and maxima of type-1 unions, without a grid.
 
-Sets are rows as in :mod:`fuzzy2.systems.united_kernels`. Each rises to a plateau, a point as a
-rule, and then falls; so under the maximum the greatest grade of the union is that of one set, or
-of several, on its plateau, or where it is clipped.
+Sets are rows as in :mod:`fuzzy2.systems.united_kernels`. Each set rises to a plateau, usually a
+point, and then falls. So under the maximum the union has its greatest grade on the plateau of one
+or several sets, where they are highest or clipped.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from fuzzy2.systems.united_kernels import _cuts, _nodes_of, _one_grade, _pieces_
     SMALLEST_ABSOLUTE,
     LARGEST_ABSOLUTE,
 ) = range(9)
-"""Codes of what is asked of a union; ``MIDDLE_OF_AREA`` is fuzzylite's bisector, of samples."""
+"""Codes of the quantities of a union; ``MIDDLE_OF_AREA`` is fuzzylite's bisector of samples."""
 SAME = 1e-12
-"""Share of the greatest grade within which grades are the greatest, too."""
+"""Relative difference below which grades are equal to the greatest."""
 NARROW = 1e-9
-"""Share of the range below which plateaus are points."""
+"""Share of the range below which plateaus are treated as points."""
 HALVINGS = 60
 
 
@@ -36,7 +36,7 @@ HALVINGS = 60
 def _area(  # noqa: PLR0913 (memory is handed over, piece by piece)
     rows, weights, sets, product, total, gauss, tolerance, left, right, pair, edges, sums, room
 ):
-    """Return the area of a union between two points; ``pair`` (2,) is room for them."""
+    """Return the area of a union between two points; ``pair`` (2,) is scratch space."""
     pair[0], pair[1] = left, right
     _pieces_of(
         rows, weights, sets, product, total, True, gauss,
@@ -49,9 +49,9 @@ def _area(  # noqa: PLR0913 (memory is handed over, piece by piece)
 def bisector_of_union(
     rows, weights, sets, product, total, kinks, gauss, tolerance, nodes, edges, sums, room
 ):
-    """Return the point that halves the area of a union fired by (2, sets), flat; NaN of none.
+    """Return the bisector of a union fired by (2, sets), flat; NaN if nothing fires.
 
-    Memory is that of ``centroid_of_union``, of one piece.
+    The scratch arrays are those of ``centroid_of_union`` for one piece.
     """
     count = _nodes_of(rows, weights, sets, product, True, kinks, nodes)
     pair = nodes[count : count + 2]
@@ -92,9 +92,9 @@ def bisector_of_union(
 
 @scalar
 def _plateau(rows, o, weight, product, first, last, ends):
-    """Write where a fired set is highest between two points; return how high that is.
+    """Write the plateau of a fired set between two points; return its height.
 
-    ``ends`` (4,) is room; the ends of the plateau become its first two numbers.
+    ``ends`` (4,) is scratch space, whose first two numbers become the ends of the plateau.
     """
     gaussian = int(rows[o + 1]) == 0
     left, right = (rows[o + 2], rows[o + 3]) if gaussian else (rows[o + 3], rows[o + 4])
@@ -109,7 +109,7 @@ def _plateau(rows, o, weight, product, first, last, ends):
 
 @scalar
 def _joined(plateaus, count, asked, reach):
-    """Return the mean of ascending plateaus, or their point nearest to 0 or farthest from it."""
+    """Return the mean of ascending plateaus, or their point nearest to or farthest from 0."""
     near, far = plateaus[0], plateaus[0]
     length, moment, points, different, reached = 0.0, 0.0, 0.0, 0, -math.inf
     for i in range(count):
@@ -136,9 +136,9 @@ def _joined(plateaus, count, asked, reach):
 
 @scalar
 def maximum_of_union(asked, rows, weights, sets, product, kinks, room):
-    """Return a point of the greatest grade of sets united by the maximum, one of which fires.
+    """Return a point of greatest grade of a union under the maximum; one set must fire.
 
-    ``room`` (2 sets + 4,) is memory; see ``operators.MAXIMA``.
+    ``room`` (2 sets + 4,) is scratch space. ``operators.MAXIMA`` lists the kinds of points.
     """
     first, last = kinks[0], kinks[kinks.size - 1]
     ends, greatest = room[2 * sets :], 0.0

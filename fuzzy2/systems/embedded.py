@@ -1,4 +1,4 @@
-"""Type-1 systems that a type-2 system contains."""
+"""Type-1 systems that are embedded in a type-2 system."""
 
 from __future__ import annotations
 
@@ -12,25 +12,26 @@ from fuzzy2.support.checks import Array
 def embedded_averages(
     strengths: Array, intervals: Array, count: int, rng: np.random.Generator
 ) -> Iterator[Array]:
-    """Yield weighted averages with a weight and a point from every interval.
+    """Yield weighted averages that take one weight and one point from every interval.
 
-    First the two extreme choices of all switch points of the first output, then random ones.
+    The first averages are those of all switch points of the first output, with the upper weights on
+    either side; random choices follow.
 
     Parameters
     ----------
     strengths : (R, 2) ndarray
         Firing intervals of the rules.
     intervals : (R, m, 2) ndarray
-        Their consequents.
+        Consequents of the rules.
     count : int
-        How many random choices.
+        Number of random choices.
     rng : numpy.random.Generator
-        Where they come from.
+        Source of the random choices.
 
     Yields
     ------
     (m,) ndarray
-        An average; none where no rule fires.
+        An average. Nothing is yielded if no rule fires.
     """
     choices: list[tuple[Array, Array]] = []
     for end in (0, 1):

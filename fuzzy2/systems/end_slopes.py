@@ -11,22 +11,22 @@ from fuzzy2.reduction.logarithms import relative
 from fuzzy2.support.checks import Array
 
 TIE = 1e-13
-"""A consequent equals the output where they differ by less than this, relative to the largest
-consequent: some roundings.
-"""
+"""A consequent equals the output if they differ by less than this, relative to the largest
+consequent, which is some rounding errors."""
 
 
 def left_end(points: Array, rises: Array, y: Array, weights: Array, rates: Array) -> Array:
-    r"""Return the derivatives (n, m, p) from the right of left ends y (n, m).
+    r"""Return the right-hand derivatives (n, m, p) of left ends y (n, m).
 
-    The least averages of points with weights from intervals.
+    Left ends are the least averages of points whose weights lie in intervals.
 
-    Points are (n or 1, m, R) with the derivatives ``rises`` (n, m, R, p), or 1 along any axis,
-    weights (n, R, 2) with ``rates`` (n, R, 2, p). Any weight of a point that equals y gives the
-    same y, but not the same derivative.
+    Points are (n or 1, m, R), and their derivatives ``rises`` (n, m, R, p), or 1 along any axis.
+    Weights are (n, R, 2), and their derivatives ``rates`` (n, R, 2, p). A point that equals y may
+    have any weight without changing y, but the derivative depends on that weight.
     """
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        # Relative to the largest weight: products of tiny ones would underflow.
+        # Weights are taken relative to the largest, because products of tiny weights would
+        # underflow.
         largest = weights[..., 1].max(axis=1)[:, np.newaxis, np.newaxis]
         weights, rates = weights / largest, rates / largest[..., np.newaxis]
         away = points - y[..., np.newaxis]
@@ -61,11 +61,11 @@ def left_end(points: Array, rises: Array, y: Array, weights: Array, rates: Array
 def _least_slope(moment: Array, mass: Array, rises: Array, low: Array, high: Array) -> Array:
     """Return the derivatives (k, p) of ends that equal points.
 
-    These points may have any weight from low to high (k, R, 1).
+    The points that equal the end may have any weight from ``low`` to ``high`` (k, R, 1).
 
-    Of all their choices the one that falls fastest counts (Danskin's theorem). It is a generalized
-    centroid, too, of the derivatives of the points, (k, R, p), and found by Karnik and Mendel's
-    iteration.
+    By Danskin's theorem the derivative is that of the choice which falls fastest. This is again a
+    generalized centroid, of the derivatives of the points (k, R, p), and it is found by the
+    Karnik-Mendel iteration.
     """
     least: Array = (moment + (high * rises).sum(axis=1)) / (mass + high.sum(axis=1))
     while True:
@@ -78,20 +78,20 @@ def _least_slope(moment: Array, mass: Array, rises: Array, low: Array, high: Arr
 
 
 def scaled_for(points: Array, y: Array, logarithms: Array) -> Array:
-    """Return weights (n, R, 2) relative to the greatest that a left end y (n, 1) takes."""
+    """Return weights (n, R, 2) relative to the greatest one used by a left end y (n, 1)."""
     low, high = logarithms[..., 0], logarithms[..., 1]
     away = points - y
     reach = TIE * np.abs(points).max(axis=-1, keepdims=True)
     tied = np.abs(away) <= reach
     others = np.where(tied, -np.inf, np.where(away > 0.0, low, high))
     weights = relative(others)
-    # A point may equal the end because it outweighs the others. Which weight it has there is said
-    # by the side on which these pull.
+    # A point may equal the end because it outweighs the others. Its weight is then decided by the
+    # side to which the others pull the average.
     pull = (weights * away).sum(axis=-1, keepdims=True)
     free = np.abs(pull) <= reach * weights.sum(axis=-1, keepdims=True)
     own = np.where(pull < 0.0, low, high)
     decided = (tied & ~free)[..., np.newaxis]
     scaled = np.where(decided, own[..., np.newaxis], logarithms)
     greatest = np.where(tied, scaled[..., 1], others).max(axis=1)[:, np.newaxis, np.newaxis]
-    # Those that it does not take may be greater; they count for nothing.
+    # Weights that the end does not use may be greater; they are ignored.
     return np.asarray(np.exp(np.minimum(scaled - greatest, 0.0)))

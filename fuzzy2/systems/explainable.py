@@ -1,4 +1,4 @@
-"""What an explanation asks of a system; systems are built on explanations, not the other way."""
+"""Interface that explanations need of a system, so that they do not import systems."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from fuzzy2.support.checks import Array
 
 
 class Explainable(Protocol):
-    """What :class:`fuzzy2.FuzzySystem` has, as far as its explanation goes."""
+    """The part of :class:`fuzzy2.FuzzySystem` that explanations use."""
 
     inputs: tuple[tuple[Any, ...], ...]
     rules: Any
@@ -35,7 +35,7 @@ class Explainable(Protocol):
 
     @property
     def explained_by(self) -> Sequence[tuple[float, Explainable]]:
-        """Systems that the output is a weighted sum of, with their weights."""
+        """Systems whose weighted sum is the output, with their weights."""
 
     def __call__(self, X: Any = None, /, **named: ArrayLike) -> Array:
         """Return the crisp outputs."""
@@ -50,4 +50,4 @@ class Explainable(Protocol):
         """Return one input as an array (1, p)."""
 
     def log_firing(self, rows: Array) -> tuple[Array, NDArray[Any]]:
-        """Return logarithms of firing intervals, and where floats do not hold these."""
+        """Return the logarithms of firing intervals, and where the intervals underflow."""

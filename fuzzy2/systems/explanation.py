@@ -1,4 +1,4 @@
-"""Explanations of a system's output: the rules that decided it, ranked, in words."""
+"""Explanations of a system's output: its deciding rules in words, in order of their shares."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from fuzzy2.systems.shares import shares_of
 from fuzzy2.systems.words import rules_in_words
 
 MOST = 10
-"""Rules that are listed for each output."""
+"""Greatest number of rules that are listed for each output."""
 LEAST = 5e-4
 """Share below which a rule is not listed; it would read 0.0 %."""
 
 
 @dataclass(frozen=True, repr=False)
 class Explanation(Shown):
-    """Why a system gives an output; ``str`` is the text, :meth:`view` the picture.
+    """Explanation of a system's output; ``str`` gives the text, :meth:`view` the picture.
 
     Parameters
     ----------
@@ -39,8 +39,8 @@ class Explanation(Shown):
     firing : (R, 2) ndarray
         The firing intervals of the rules.
     shares : (R, m) ndarray
-        What each rule contributes to each output, see :mod:`fuzzy2.systems.shares`; they add up to
-        1, or are 0 for an output for which no rule fires.
+        Share of each rule in each output, see :mod:`fuzzy2.systems.shares`. The shares of an output
+        add up to 1, or are all 0 if no rule fires for it.
     rules : tuple of R str
         The rules in words.
     """
@@ -59,7 +59,7 @@ class Explanation(Shown):
         return self
 
     def ranking(self, output: int = 0) -> NDArray[np.intp]:
-        """Return the numbers of the rules that contribute, from the greatest share on.
+        """Return the numbers of the contributing rules, in descending order of their shares.
 
         Parameters
         ----------
@@ -72,7 +72,7 @@ class Explanation(Shown):
         return contributing
 
     def text(self, most: int = MOST) -> str:
-        """Return the outputs and, for each, the rules that decided it.
+        """Return the outputs and the rules that decided each of them, as text.
 
         Parameters
         ----------
@@ -141,7 +141,7 @@ class Explanation(Shown):
 
 
 def explained(system: Explainable, x: ArrayLike) -> Explanation:
-    """Return why a system says what it says of one input; see :meth:`FuzzySystem.explain`."""
+    """Return the explanation of a system's output at one input; see :meth:`FuzzySystem.explain`."""
     firing = system.firing(x)
     if firing.ndim != 2:
         raise InvalidValue("x", firing.shape[:-2], "one input: a row of numbers, or one by name")

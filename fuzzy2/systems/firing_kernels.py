@@ -1,4 +1,4 @@
-"""Compiled firing of rules; :mod:`fuzzy2.systems.kernels` reduces what they say."""
+"""Compiled firing of rules; :mod:`fuzzy2.systems.kernels` reduces the consequents."""
 
 from __future__ import annotations
 
@@ -9,18 +9,22 @@ import numpy as np
 from fuzzy2.support.compiled import compiled, scalar
 from fuzzy2.systems.shape_kernels import PAIR, SAMPLES, grade_of_shape
 
-# Inference. A system is one array of floats, so that a call hands over one table and not seven
-# arrays. It starts with (inputs p, terms T, rules R, outputs m, t-norm code, where the supplement
-# begins or 0 where there is none, how exponents are added, see ``_fire_by_exponents``), then follow
-#   terms T rows of 10: index of the input, then what kernel_row() gives rules R rows of p: index of
-#   the term, or -1 where the input plays no part ends R rows of 2 m: left ends of the consequents,
-#   above the least of their output, then right ends, below the greatest least, greatest m numbers
-#   each sorted 2 m rows of R: these distances in ascending order orders 2 m rows of R: the rules in
-#   that order
-#   supplement of a system that is more than that, see ``fuzzy2.systems.table.supplement_of``:
-#   (t-conorm code, whether rules are trees, whether a rule is silent or an output has a default,
-#   deepest stack), R weights, R rows of m: whether a rule is silent, m defaults or NaN, R + 1
-#   places where the steps of the rules begin, and the steps of ``fuzzy2.systems.antecedents``
+# Inference. A system is one array of floats, so that a call passes one table instead of seven
+# arrays. It begins with the number of inputs p, terms T, rules R and outputs m, the code of the
+# t-norm, the place of the supplement (0 if there is none), and how exponents are added, see
+# ``_fire_by_exponents``. Then follow
+#   terms       T rows of 10: number of the input, then the result of kernel_row()
+#   rules       R rows of p: number of the term, or -1 if the rule does not use the input
+#   ends        R rows of 2 m: distances of the left ends of the consequents above the least of
+#               their output, then distances of the right ends below the greatest
+#   least, greatest   m numbers each
+#   sorted      2 m rows of R: these distances in ascending order
+#   orders      2 m rows of R: the rules in that order
+#   supplement  of systems that need one, see ``fuzzy2.systems.table.supplement_of``: four numbers
+#               (code of the t-conorm, whether rules are trees, whether a rule has no consequent for
+#               an output or an output has a default, deepest stack), R weights, R rows of m:
+#               whether a rule has no consequent, m defaults or NaN, R + 1 places where the steps
+#               of the rules begin, and the steps of ``fuzzy2.systems.antecedents``
 HEADER = 7
 TERM = 10
 SUPPLEMENT = 4
@@ -28,9 +32,9 @@ SUPPLEMENT = 4
 
 @scalar
 def _grades(row, o, x, width):
-    """Lower and upper grade of x in the term whose table row starts at o.
+    """Return the lower and upper grade of x in the term whose table row starts at o.
 
-    See ``kernel_row`` of the sets.
+    The rows are described in ``kernel_row`` of the sets.
 
     ``width`` is the half-width, in standard deviations of the secondary grades, of the alpha-plane
     of a Gaussian type-2 set.
@@ -63,7 +67,7 @@ def _grades(row, o, x, width):
         row[o + 8],
     )
     if kind == 2:
-        # Gaussian secondary grades about a Gaussian principal membership function.
+        # A Gaussian principal membership with Gaussian secondary grades.
         t = (x - m1) / s_high
         principal = h_high * math.exp(-0.5 * t * t)
         return max(principal - width * secondary, 0.0), min(principal + width * secondary, 1.0)
@@ -83,14 +87,14 @@ def _grades(row, o, x, width):
 
 @scalar
 def _both(norm, a, b):
-    """Combine two grades by *and*, the t-norm of a code, see ``fuzzy2.systems.table.NORMS``."""
+    """Combine two grades by the t-norm of a code, see ``fuzzy2.systems.table.NORMS``."""
     least, most = min(a, b), max(a, b)
     if norm == 0:
         return least
     if norm == 1:
         return a * b
     if norm == 2:
-        # a + b - 1 would round a tiny grade beside 1 away.
+        # a + b - 1 would lose a tiny grade beside 1 by rounding.
         return least if most == 1.0 else max(a + b - 1.0, 0.0)
     if norm == 3:
         return 0.0 if most < 1.0 else least
@@ -98,14 +102,15 @@ def _both(norm, a, b):
         return 0.0 if least <= 1.0 - most else least
     if norm == 5:
         united = most + least * (1.0 - most)
-        # The product of two tiny grades underflows, but this is no less than half of the smaller.
+        # The product of two tiny grades underflows, but the result is at least half of the smaller
+        # one.
         return least * (most / united) if united > 0.0 else 0.0
     return a * b / (1.0 + (1.0 - a) * (1.0 - b))
 
 
 @scalar
 def _either(norm, a, b):
-    """Combine two grades by *or*, the t-conorm of a code, dual to that of ``_both``."""
+    """Combine two grades by the t-conorm of a code, which is dual to the t-norm of ``_both``."""
     least, most = min(a, b), max(a, b)
     if norm == 0:
         return most
@@ -126,7 +131,7 @@ def _either(norm, a, b):
 
 @scalar
 def _hedged(code, number, grade):
-    """Return what a hedge, by its code of ``fuzzy2.systems.antecedents``, makes of a grade."""
+    """Return a hedged grade; the codes of hedges are those of ``fuzzy2.systems.antecedents``."""
     if code == -5:
         return grade**number
     if code == -8:
@@ -141,9 +146,9 @@ def _hedged(code, number, grade):
 
 @scalar
 def _fire(table, x, xo, width, grades, low, high, stack):
-    """Write lower and upper firing strength of every rule for the input that starts at ``xo``.
+    """Write lower and upper firing strengths of all rules for the input that starts at ``xo``.
 
-    ``stack`` is room for two numbers of each place of the deepest stack of rules that are trees.
+    ``stack`` is scratch space for two numbers at each level of the deepest tree.
     """
     if table[6] > 0.0:
         _fire_by_exponents(table, x, xo, low, high)
@@ -155,7 +160,7 @@ def _fire(table, x, xo, width, grades, low, high, stack):
         grades[2 * t], grades[2 * t + 1] = _grades(table, o, x[xo + int(table[o])], width)
         uncertain = uncertain or grades[2 * t] != grades[2 * t + 1]
     o = HEADER + TERM * terms
-    # Where both ends of all grades are equal, so are those of the firing strengths.
+    # If both ends of all grades are equal, so are the ends of the firing strengths.
     for r in range(0 if uncertain else rules):
         both = 1.0
         for _ in range(inputs):
@@ -181,7 +186,7 @@ def _fire(table, x, xo, width, grades, low, high, stack):
             else:
                 lower = _both(norm, lower, grades[2 * t])
                 upper = _both(norm, upper, grades[2 * t + 1])
-        # Rounding, which is not the same for both ends, must not exchange them.
+        # The two ends are rounded differently, which must not swap them.
         low[r], high[r] = min(lower, upper), upper
     if table[5] > 0.0:
         _supplement_firing(table, grades, low, high, stack)
@@ -189,25 +194,25 @@ def _fire(table, x, xo, width, grades, low, high, stack):
 
 @scalar
 def _away(value, m1, m2, sigma):
-    """Squared distance from a Gaussian's least or greatest mean, 0 between them."""
+    """Return the squared distance to the nearest possible mean of a Gaussian."""
     away = (value - max(min(value, m2), m1)) / sigma
     return away * away
 
 
 @scalar
 def _farther(value, m1, m2, sigma):
-    """Squared distance from the farther mean."""
+    """Return the squared distance from the farther mean."""
     away = (value - (m2 if value < 0.5 * (m1 + m2) else m1)) / sigma
     return away * away
 
 
 @scalar
 def _fire_by_exponents(table, x, xo, low, high):
-    """Do as ``_fire`` for plain rules of Gaussians that are multiplied.
+    """Do as ``_fire`` for rules without trees whose terms are Gaussians under the product.
 
-    Exponents of a product add up: one exponential for each end of a rule, in place of one for each
-    term, which is less where rules hardly share terms. ``table[6]`` is 1 where all terms are
-    type-1, whose ends are the same, and else 2.
+    The exponents of a product add up. That takes one exponential for each end of a rule instead of
+    one for each term, which is faster if rules hardly share terms. ``table[6]`` is 1 if all terms
+    are type-1, so that both ends are equal, and 2 otherwise.
     """
     inputs, rules, certain = int(table[0]), int(table[2]), table[6] == 1.0
     o = HEADER + TERM * int(table[1])
@@ -231,7 +236,7 @@ def _fire_by_exponents(table, x, xo, low, high):
 
 @compiled
 def _fire_lanes_by_exponents(table, x, start, low, high):
-    """Do as ``_fire_by_exponents``, to the last bit, for rows from ``start`` on, side by side."""
+    """Do as ``_fire_by_exponents``, bit for bit, for LANES rows from ``start`` on, side by side."""
     inputs, rules, certain = int(table[0]), int(table[2]), table[6] == 1.0
     lanes = low.shape[1]
     o = HEADER + TERM * int(table[1])
@@ -267,7 +272,7 @@ def _fire_lanes_by_exponents(table, x, start, low, high):
 def _grade_lanes(table, x, start, width, grades):
     """Write the grades (2 T, lanes) of rows from ``start`` on, side by side.
 
-    Return whether lower and upper ones may differ.
+    Return whether lower and upper grades may differ.
     """
     inputs, terms = int(table[0]), int(table[1])
     lanes = grades.shape[1]
@@ -278,7 +283,7 @@ def _grade_lanes(table, x, start, width, grades):
         mean, sigma, height = table[o + 2], table[o + 5], table[o + 7]
         certain = mean == table[o + 3] and sigma == table[o + 4] and height == table[o + 6]
         if table[o + 1] == 0.0 and certain:
-            # The Gaussian of ``_grades`` without its branches, which no processor foresees.
+            # The Gaussian of ``_grades`` without its branches, which processors cannot predict.
             for lane in range(lanes):
                 away = (x[first + lane * inputs] - mean) / sigma
                 grade = height * math.exp(-0.5 * away * away)
@@ -293,9 +298,9 @@ def _grade_lanes(table, x, start, width, grades):
 
 @compiled
 def _fire_lanes(table, grades, end, firing):
-    """Write the lower (0) or upper (1) firing strengths (R, lanes) of plain rules.
+    """Write the lower (0) or upper (1) firing strengths (R, lanes) of rules without trees.
 
-    To the last bit those of ``_fire``.
+    They equal those of ``_fire`` bit for bit.
     """
     inputs, rules, norm = int(table[0]), int(table[2]), int(table[4])
     lanes = grades.shape[1]
@@ -323,7 +328,7 @@ def _fire_lanes(table, grades, end, firing):
 
 @scalar
 def _supplement_firing(table, grades, low, high, stack):
-    """Fire the rules that are trees, and multiply the firing by the weights of the rules."""
+    """Fire the rules that are trees, and multiply the firing strengths by the rules' weights."""
     rules, outputs, norm = int(table[2]), int(table[3]), int(table[4])
     start = int(table[5])
     conorm, trees, deepest = int(table[start]), table[start + 1] > 0.0, int(table[start + 3])
@@ -358,7 +363,7 @@ def _supplement_firing(table, grades, low, high, stack):
                     step += 1
                     lower[top] = _hedged(code, number, lower[top])
                     upper[top] = _hedged(code, number, upper[top])
-            # Rounding, which is not the same for both ends, must not exchange them.
+            # The two ends are rounded differently, which must not swap them.
             low[r], high[r] = min(lower[0], upper[0]), upper[0]
     for r in range(rules):
         low[r] *= table[weights + r]
@@ -369,8 +374,8 @@ def _supplement_firing(table, grades, low, high, stack):
 def _fire_block(table, x, start, width, grades, one_low, one_high, low, high):
     """Write the firing strengths (R, lanes) of rows from ``start`` on, side by side.
 
-    To the last bit those of ``_fire``. Return whether lower and upper ones may differ; else only
-    the lower ones are written.
+    They equal those of ``_fire`` bit for bit. Return whether lower and upper strengths may differ;
+    if not, only the lower ones are written.
     """
     rules, lanes = low.shape
     if table[5] > 0.0:
@@ -397,5 +402,5 @@ def _fire_block(table, x, start, width, grades, one_low, one_high, low, high):
     return True
 
 
-# Firing strengths below this one have lost digits, or all of them, to underflow.
+# Firing strengths below this threshold have lost digits to underflow, or are 0.
 VANISHED = 1e-280

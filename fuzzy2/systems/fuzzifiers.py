@@ -1,22 +1,22 @@
-r"""Fuzzifiers: from a measured number to a fuzzy input.
+r"""Fuzzifiers, which turn measured numbers into fuzzy inputs.
 
-And to how much that input belongs to a term.
+They also compute the firing set of a term for a fuzzy input.
 
-A fuzzified input :math:`\tilde X` at a measured :math:`x'` fires a term :math:`\tilde F` to the
-firing set (the brackets of eq. 1.121)
+The firing set of a term :math:`\tilde F` for the fuzzy input :math:`\tilde X` of a measured
+:math:`x'` is (the brackets of eq. 1.121)
 
 .. math:: \coprod_{x} \mu_{\tilde X}(x) \sqcap \mu_{\tilde F}(x),
 
-which is :math:`\mu_{\tilde F}(x')` for a singleton (eq. 1.122, 1.123). Where all secondary sets are
-intervals, joins and meets go end by end (eq. 1.29): the ends of the firing set are
+It is :math:`\mu_{\tilde F}(x')` for a singleton (eq. 1.122, 1.123). If all secondary sets are
+intervals, joins and meets are computed end by end (eq. 1.29), and the ends of the firing set are
 
 .. math:: \sup_x \underline\mu_{\tilde X}(x) * \underline\mu_{\tilde F}(x), \qquad
     \sup_x \overline\mu_{\tilde X}(x) * \overline\mu_{\tilde F}(x),
 
-and they are one number for type-1 sets. General type-2 sets go plane by plane, which is exact for
-the minimum of secondary grades. Products of secondary grades are refused: the join over a
-continuous domain then depends on how finely the domain is sampled, and taking it input by input, as
-eq. 1.121 does, is no longer the same as eq. 1.120.
+They are equal for type-1 sets. General type-2 sets are computed α-plane by α-plane, which is exact
+for the minimum of secondary grades. Products of secondary grades are refused, because the join over
+a continuous domain would then depend on how finely the domain is sampled, and eq. 1.121, which
+takes it input by input, would differ from eq. 1.120.
 """
 
 from __future__ import annotations
@@ -43,13 +43,13 @@ from fuzzy2.support.checks import Array, of_kind, reals
 AnySet: TypeAlias = Type1Set | IntervalType2Set | GeneralType2Set
 TNormLike: TypeAlias = str | TNorm | BinaryFunction
 
-# Search for a supremum without a closed form: points between two landmarks, of sets that rise and
-# fall once and of others, then grids of 17 points about the highest four peaks, each an eighth as
-# wide as the one before.
+# Search for a supremum without a closed form: number of points between two landmarks, for sets that
+# rise and fall once and for others; then grids of 17 points around the highest four peaks, each an
+# eighth as wide as the one before.
 _BETWEEN, _BETWEEN_IF_NOT_CONVEX = 32, 128
 _PEAKS, _CLOSER_POINTS, _CLOSER_GRIDS = 4, 17, 12
 _HALVINGS = 80
-# Grades that are held at once: 32 MiB per array.
+# Grades that are held in memory at once: 32 MiB per array.
 _CHUNK = 1 << 22
 
 
@@ -58,22 +58,22 @@ class Fuzzifier(ABC):
 
     @abstractmethod
     def firing(self, term: AnySet, x: ArrayLike, t_norm: TNormLike = "product") -> Array:
-        """Return the firing intervals of a term by measured inputs.
+        """Return the firing intervals of a term for measured inputs.
 
         Parameters
         ----------
         term : type-1, interval or general type-2 set
-            Term of an input; of a general set the footprint of uncertainty counts.
+            Term of an input. For a general type-2 set the footprint of uncertainty is used.
         x : (...,) array_like
             Measured inputs.
         t_norm : str, TNorm or callable
-            How the memberships of input and term are combined.
+            T-norm that combines the memberships of input and term.
 
         Returns
         -------
         (..., 2) array
-            Lower and upper ends; NaN where the input is NaN. They are equal where input and term
-            are type-1 sets.
+            Lower and upper ends; NaN where the input is NaN. They are equal if input and term are
+            type-1 sets.
 
         Raises
         ------
@@ -90,7 +90,7 @@ class Fuzzifier(ABC):
         t_norm: TNormLike = "product",
         grade_t_norm: TNormLike = "min",
     ) -> Array:
-        """Return the α-cuts of the firing sets of a term by measured inputs.
+        """Return the α-cuts of the firing sets of a term for measured inputs.
 
         Parameters
         ----------
@@ -101,9 +101,9 @@ class Fuzzifier(ABC):
         alphas : (L,) array_like
             Levels of the secondary grades, in [0, 1].
         t_norm : str, TNorm or callable
-            How the memberships of input and term are combined.
+            T-norm that combines the memberships of input and term.
         grade_t_norm : str, TNorm or callable
-            How secondary grades are combined; only the minimum, where they are not all 1.
+            T-norm of the secondary grades; the minimum, unless they are all 1.
 
         Returns
         -------
@@ -122,11 +122,11 @@ class Fuzzifier(ABC):
 
 @dataclass(frozen=True)
 class SingletonFuzzifier(Fuzzifier):
-    """Takes the measured input as it is (eq. 1.122)."""
+    """Fuzzifier that takes the measured input as it is (eq. 1.122)."""
 
     def firing(self, term: AnySet, x: ArrayLike, t_norm: TNormLike = "product") -> Array:
         """Return the memberships of the inputs in the term; see :meth:`Fuzzifier.firing`."""
-        # it makes no difference here, but a misspelled name should not wait for another fuzzifier
+        # checked although it is not used, so that a misspelled name is found at once
         norm_of(t_norm)
         check_set("term", term)
         points = _measured(x)
@@ -152,16 +152,16 @@ class SingletonFuzzifier(Fuzzifier):
 
 @dataclass(frozen=True)
 class NonSingletonFuzzifier(Fuzzifier):
-    r"""Takes the measured input as the middle of a fuzzy set of possible inputs (eq. 1.120, 1.121).
+    r"""Fuzzifier that replaces the measured input with a fuzzy set around it (eq. 1.120, 1.121).
 
     .. math:: \mu_{\tilde X}(x) = \mu_{\text{shape}}(x - x')
 
     Parameters
     ----------
     shape : type-1, interval or general type-2 set
-        Fuzzy set of the input about a measurement of 0; ``Gaussian(0, s)`` for a sensor with noise
-        of standard deviation s, an interval type-2 set where the noise itself is known within
-        bounds only. Its upper membership should reach 1 at 0, lest no term fire fully.
+        Fuzzy set of the input for a measurement of 0. Take ``Gaussian(0, s)`` for a sensor with
+        noise of standard deviation s, and an interval type-2 set if only bounds of the noise are
+        known. Its upper membership should reach 1 at 0, because otherwise no term can fire fully.
     """
 
     shape: AnySet
@@ -170,7 +170,7 @@ class NonSingletonFuzzifier(Fuzzifier):
         check_set("shape", self.shape)
 
     def firing(self, term: AnySet, x: ArrayLike, t_norm: TNormLike = "product") -> Array:
-        """Return the firing intervals of the term by the fuzzy inputs.
+        """Return the firing intervals of the term for the fuzzy inputs.
 
         See :meth:`Fuzzifier.firing` and :func:`sup_star`.
         """
@@ -189,7 +189,7 @@ class NonSingletonFuzzifier(Fuzzifier):
         t_norm: TNormLike = "product",
         grade_t_norm: TNormLike = "min",
     ) -> Array:
-        """Return the α-cuts of the firing sets of the term by the fuzzy inputs.
+        """Return the α-cuts of the firing sets of the term for the fuzzy inputs.
 
         See :meth:`Fuzzifier.firing_planes`.
         """
@@ -214,7 +214,7 @@ class NonSingletonFuzzifier(Fuzzifier):
 def sup_star(
     shape: Type1Set, term: Type1Set, x: ArrayLike = 0.0, t_norm: TNormLike = "product"
 ) -> Array:
-    r"""Return how much a fuzzy input matches a term (eq. 1.62).
+    r"""Return the sup-star match of a fuzzy input and a term (eq. 1.62).
 
     It is :math:`\sup_x \mu_{\text{shape}}(x - x') * \mu_{\text{term}}(x)`.
 
@@ -229,23 +229,23 @@ def sup_star(
         \text{ (minimum, equal heights 1)},
 
     attained at :math:`x^* = (\sigma_2^2 (x' + m_1) + \sigma_1^2 m_2) / (\sigma_1^2 + \sigma_2^2)`
-    and at the crossing :math:`(\sigma_2 (x' + m_1) + \sigma_1 m_2) / (\sigma_1 + \sigma_2)`; both
-    membership functions of a Gaussian with uncertain mean are taken the same way, :math:`x^*` being
-    kept between their kinks. Under the minimum, convex sets cross once between their maxima, and
-    the crossing is found to rounding. All else is searched on a grid that closes in on its best
-    points, between the maxima where both sets are convex: to 1e-9 for sets without features
-    narrower than 1/32 of the distance of two landmarks.
+    and at the crossing :math:`(\sigma_2 (x' + m_1) + \sigma_1 m_2) / (\sigma_1 + \sigma_2)`. Both
+    bounds of a Gaussian with an uncertain mean are handled alike, with :math:`x^*` limited by their
+    kinks. Under the minimum, convex sets cross once between their maxima, and the crossing is found
+    up to rounding. Other suprema are searched on a grid that closes in on its best points, only
+    between the maxima if both sets are convex. The search is accurate to 1e-9 for sets without
+    features narrower than 1/32 of the distance between two landmarks.
 
     Parameters
     ----------
     shape : Type1Set
-        Fuzzy set of the input about a measurement of 0.
+        Fuzzy set of the input for a measurement of 0.
     term : Type1Set
         Term of the input.
     x : (...,) array_like
         Measured inputs :math:`x'`.
     t_norm : str, TNorm or callable
-        How both memberships are combined.
+        T-norm that combines both memberships.
 
     Returns
     -------
@@ -281,7 +281,7 @@ def sup_star(
 
 
 def check_set(name: str, value: object) -> None:
-    """Raise :class:`InvalidValue` if something is no fuzzy set."""
+    """Raise :class:`InvalidValue` if a value is not a fuzzy set."""
     kinds = (Type1Set, IntervalType2Set, GeneralType2Set)
     of_kind(name, value, kinds, "a type-1, interval type-2 or general type-2 set")
 
@@ -307,7 +307,8 @@ def _plane(any_set: AnySet, alpha: float) -> Type1Set | IntervalType2Set:
 class _GaussianBell(NamedTuple):
     r"""Gaussian of the distance :math:`\max(0, |x - c| + o)`.
 
-    With offset o = 0, a flat top (o < 0) or a kink (o > 0).
+    It is an ordinary Gaussian for the offset o = 0, and has a flat top for o < 0 and a kink for o >
+    0.
     """
 
     center: float
@@ -323,7 +324,8 @@ def _bell_of(membership: Type1Set) -> _GaussianBell | None:
         case NearestMeanGaussian(mean=(left, right), sigma=sigma):
             return _GaussianBell(0.5 * left + 0.5 * right, -0.5 * (right - left), sigma, 1.0)
         case FarthestMeanGaussian(mean=(left, right), sigma=sigma):
-            # The height is that of the Gaussian, which the offset keeps it from reaching.
+            # The height belongs to the Gaussian, and a positive offset keeps the membership below
+            # it.
             return _GaussianBell(0.5 * left + 0.5 * right, 0.5 * (right - left), sigma, 1.0)
     return None
 
@@ -331,15 +333,15 @@ def _bell_of(membership: Type1Set) -> _GaussianBell | None:
 def _gaussian_match(
     first: _GaussianBell, second: _GaussianBell, shifts: Array, by_product: bool
 ) -> Array:
-    """Return the supremum of two Gaussians of distances; it is attained between their centers."""
+    """Return the supremum of two Gaussians of distances, which lies between their centers."""
     gap = np.abs(shifts + first.center - second.center)
     a, b = (first.sigma**2, second.sigma**2) if by_product else (first.sigma, second.sigma)
-    # Way from the first center toward the second. Both distances are convex in it, so the best way
-    # is only kept within its bounds.
+    # Distance from the first center toward the second. Both distances are convex in it, so the
+    # optimum only has to be kept within its bounds.
     way = np.clip((a * (gap + second.offset) - b * first.offset) / (a + b), 0.0, gap)
     u = np.maximum(way + first.offset, 0.0) / first.sigma
     v = np.maximum(gap - way + second.offset, 0.0) / second.sigma
-    # far apart the squares are infinite and the grade 0
+    # far apart the squares are infinite and the grade is 0
     with np.errstate(under="ignore", over="ignore"):
         if by_product:
             return np.asarray(first.height * second.height * np.exp(-0.5 * (u * u + v * v)))
@@ -347,7 +349,7 @@ def _gaussian_match(
 
 
 def _searched(shape: Type1Set, term: Type1Set, shifts: Array, norm: TNorm) -> Array:
-    """Return the supremum by search, for shifts (...,)."""
+    """Return the supremum, found by search, for shifts (...,)."""
     own_maxima, other_maxima = _maxima(shape), _maxima(term)
     convex = (
         own_maxima is not None
@@ -362,8 +364,8 @@ def _searched(shape: Type1Set, term: Type1Set, shifts: Array, norm: TNorm) -> Ar
     grades = np.empty(flat.size)
     for start in range(0, flat.size, rows):
         shift = flat[start : start + rows]
-        # Landmarks are looked at where they are, not where they end up after two roundings: an edge
-        # may be vertical.
+        # Landmarks are evaluated at their own places, not after two roundings, because an edge may
+        # be vertical.
         at_own = norm(shape.membership(own), term.membership(own + shift[:, None]))
         at_other = norm(shape.membership(other - shift[:, None]), term.membership(other))
         best = np.maximum(at_own.max(axis=-1), at_other.max(axis=-1))
@@ -389,7 +391,8 @@ def _searched(shape: Type1Set, term: Type1Set, shifts: Array, norm: TNorm) -> Ar
 def _maxima(membership: Type1Set) -> tuple[float, float] | None:
     """Return the first and the last point of the greatest membership.
 
-    None if it is approached somewhere; a sigmoid is within 1e-14.
+    It is None if the supremum is approached but not reached. For a sigmoid it is the range in which
+    the membership is within 1e-14 of 1.
     """
     if not isinstance(membership, Sigmoid):
         return membership.maxima
@@ -407,9 +410,9 @@ def _between_maxima(
     own_maxima: tuple[float, float],
     other_maxima: tuple[float, float],
 ) -> Array:
-    """Return the supremum of convex sets.
+    """Return the supremum of the match of two convex sets.
 
-    It lies between the maxima, where one set falls and the other one rises.
+    It lies between their maxima, where one set falls and the other one rises.
     """
     (own_first, own_last), (other_first, other_last) = own_maxima, other_maxima
     own_is_left = own_last + shift < other_first
@@ -447,7 +450,7 @@ def _closing_in(
 ) -> Array:
     """Return the greatest grade (rows,) between ``left`` and ``right`` (rows,).
 
-    On grids that close in on the best points.
+    The search uses grids that close in on the best points.
     """
     own = shape.landmarks + shift[:, None]
     other = np.broadcast_to(term.landmarks, (shift.size, term.landmarks.size))
@@ -460,7 +463,7 @@ def _closing_in(
     points = np.concatenate([points, edges[:, -1:]], axis=-1)
     grades = norm(shape.membership(points - shift[:, None]), term.membership(points))
     padded = np.pad(grades, ((0, 0), (1, 1)), constant_values=-1.0)
-    # Of equal neighbors the first one only: a plateau is one peak.
+    # Only the first of several equal neighbors is taken, because a plateau is one peak.
     peaks = np.where((grades > padded[:, :-2]) & (grades >= padded[:, 2:]), grades, -1.0)
     highest = np.argpartition(peaks, -min(_PEAKS, peaks.shape[1]), axis=-1)[:, -_PEAKS:]
     best = grades.max(axis=-1)
@@ -482,8 +485,8 @@ def _climbed(
     rows = np.arange(shift.size)
     for _ in range(_CLOSER_GRIDS):
         center = points[rows, place][:, None]
-        # Equal points stand side by side where landmarks were cut off, so the neighbors are the
-        # nearest different ones.
+        # Equal points lie side by side where landmarks were cut off, so the neighbors are the
+        # nearest different points.
         before = np.where(points < center, points, -np.inf).max(axis=-1, keepdims=True)
         after = np.where(points > center, points, np.inf).min(axis=-1, keepdims=True)
         before, after = (

@@ -1,4 +1,4 @@
-"""General type-2 systems: by α-planes, or by the Gaussian corollary."""
+"""General type-2 systems, evaluated by α-planes or by the Gaussian corollary."""
 
 from __future__ import annotations
 
@@ -31,34 +31,35 @@ REDUCTIONS = ("alpha_planes", "gaussian")
 
 
 class GeneralType2System(FuzzySystem):
-    r"""General type-2 fuzzy logic system,by α-planes or by the Gaussian corollary.
+    r"""General type-2 fuzzy logic system, evaluated by α-planes or by the Gaussian corollary.
 
-    Α-planes are reduced exactly; the corollary is the thesis's.
+    The α-planes are reduced exactly; the corollary is the approximation of the thesis.
 
-    Under minimum secondary grades the α-plane of a firing set is made of the α-planes of its terms,
-    so every α-plane is an interval type-2 system, reduced exactly; the crisp output weights their
-    middles with α. The Gaussian corollary (eq. 1.107–1.109) takes the rules' firing as Gaussian
-    numbers instead: its crisp output is that of the type-1 system of the principal memberships,
-    whatever the uncertainty, and only its standard deviation is new.
+    If secondary grades are combined by the minimum, the α-plane of a firing set follows from the
+    α-planes of its terms. So every α-plane is an interval type-2 system that is reduced exactly,
+    and the crisp output is the average of the middles weighted with α. The Gaussian corollary (eq.
+    1.107–1.109) treats the firing of the rules as Gaussian numbers instead. Its crisp output is
+    that of the type-1 system of the principal memberships, whatever the uncertainty, and only its
+    standard deviation adds information.
 
     Parameters
     ----------
     inputs, rules, consequents, t_norm, type_reduction, method, **options
-        See :class:`FuzzySystem`; sets of any type.
+        See :class:`FuzzySystem`; the sets may be of any type.
     reduction : {"alpha_planes", "gaussian"}
-        Which of the two.
+        Evaluation by α-planes or by the Gaussian corollary.
     levels : int
         Number of α-planes, at :math:`\alpha = 1/L, 2/L, \dots, 1`.
     grade_t_norm : {"min", "product"}
-        T-norm of the secondary grades. α-planes need the minimum; the Gaussian corollary takes
+        T-norm of the secondary grades. α-planes need the minimum; the Gaussian corollary accepts
         both.
 
     Raises
     ------
     NotApplicable
-        If α-planes are asked for under product grades, where the result would depend on the grid,
-        or the Gaussian corollary with terms that have no Gaussian secondary grades, another t-norm
-        than the product, or another type reduction than center of sets.
+        If α-planes are requested with the product of secondary grades, whose result would depend on
+        the grid. The Gaussian corollary raises it for terms without Gaussian secondary grades, for
+        a t-norm other than the product, and for a type reduction other than center of sets.
     """
 
     _kinds = (Type1Set, IntervalType2Set, GeneralType2Set)
@@ -86,17 +87,18 @@ class GeneralType2System(FuzzySystem):
         # Half-widths of the α-planes of a Gaussian, in standard deviations.
         self._widths = np.sqrt(-2.0 * np.log(self.alphas))
         super().__init__(inputs, rules, consequents, t_norm, type_reduction, method, **options)
-        # The interval systems' short way would forget the secondary grades.
+        # The fast path of interval systems would ignore the secondary grades.
         self._fast = False
         self._planes: list[IntervalType2System] | None = None
         left, right = np.moveaxis(self.consequent_intervals, -1, 0)
-        # An interval consequent counts as a Gaussian whose two standard deviations reach its ends.
+        # An interval consequent is treated as a Gaussian whose ends are two standard deviations
+        # from its mean.
         self._middles, self._spreads = 0.5 * (left + right), 0.25 * (right - left)
         uncertain = self.consequent_sets is not None and any(
             isinstance(item, GeneralType2Set) for row in self.consequent_sets for item in row
         )
-        # The loop over the planes takes the same consequents in all of them; general type-2 ones
-        # have a centroid on each.
+        # The loop over the planes uses the same consequents for all planes, but general type-2
+        # consequents have a different centroid on each.
         self._one_loop = (
             self._table is not None
             and self._is_compiled
@@ -117,12 +119,12 @@ class GeneralType2System(FuzzySystem):
                 "it needs minimum secondary grades; under the product it depends on the grid",
             )
         elif uncertain or method in DIRECT_METHODS:
-            # What has no centroid on its planes is refused here and not at the first call.
+            # A consequent without a centroid on its planes is refused here, not at the first call.
             self._plane(0)
 
     @property
     def planes(self) -> Sequence[tuple[float, Differentiable]]:
-        """Share in the crisp output and interval type-2 system of every α-plane.
+        """Weight and interval type-2 system of every α-plane.
 
         There are none under the Gaussian corollary.
         """
@@ -133,7 +135,7 @@ class GeneralType2System(FuzzySystem):
 
     @property
     def explained_by(self) -> Sequence[tuple[float, FuzzySystem]]:
-        """The α-planes with their weights; of the corollary the principal memberships alone."""
+        """The α-planes with their weights; for the corollary, the principal system alone."""
         if self.reduction == "gaussian":
             return ((1.0, self._plane(self.levels - 1)),)
         shares = self.alphas / self.alphas.sum()
@@ -141,19 +143,19 @@ class GeneralType2System(FuzzySystem):
 
     @property
     def middles(self) -> Array | None:
-        """Middles of the consequents under the Gaussian corollary, (R, m); None by α-planes."""
+        """Middles of the consequents under the Gaussian corollary, (R, m); None for α-planes."""
         return self._middles if self.reduction == "gaussian" else None
 
     @property
     def in_one_loop(self) -> bool:
-        """Whether one table serves all α-planes, which differ in ``widths`` only."""
+        """Whether one table serves all α-planes, which then differ only in ``widths``."""
         return self._one_loop
 
     @property
     def widths(self) -> Array:
         """Half-widths of the α-planes of a Gaussian at ``alphas``, (L,), in standard deviations.
 
-        For :mod:`fuzzy2.systems.kernels`.
+        :mod:`fuzzy2.systems.kernels` uses them.
         """
         return self._widths
 
@@ -161,18 +163,18 @@ class GeneralType2System(FuzzySystem):
     def moments(self) -> tuple[Array, Array]:
         """Means and standard deviations of the consequents as Gaussian numbers, (R, m) each.
 
-        For :mod:`fuzzy2.systems.kernels`.
+        :mod:`fuzzy2.systems.kernels` uses them.
         """
         return self._middles, self._spreads
 
     def kernel_row(self, term: Any) -> tuple[float, ...] | None:
-        """Return what the compiled loop knows of a term; None if that is not a row of numbers."""
+        """Return the kernel row of a term, or None if the compiled loop cannot evaluate it."""
         from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 
         if isinstance(term, GaussianType2Set):
             principal = term.principal.kernel_row()
-            # Kind 2 of the kernels: a Gaussian principal membership, one standard deviation for all
-            # vertical slices, no bounds.
+            # Kind 2 of the kernels: a Gaussian principal membership with one standard deviation for
+            # all vertical slices and an unbounded domain.
             unbounded = np.isinf(term.domain).all()
             if principal is None or principal[0] != 0 or callable(term.sigma) or not unbounded:
                 return None
@@ -181,7 +183,7 @@ class GeneralType2System(FuzzySystem):
         return row
 
     def alpha_cuts(self, X: ArrayLike) -> Array:
-        """Return the type-reduced set by its α-cuts.
+        """Return the α-cuts of the type-reduced set.
 
         Parameters
         ----------
@@ -191,13 +193,13 @@ class GeneralType2System(FuzzySystem):
         Returns
         -------
         (..., m, L, 2) ndarray
-            Ends of the cuts at ``alphas``; NaN on planes where no rule fires. An output with a
-            default is that on all planes where one of them is so.
+            Ends of the cuts at ``alphas``; NaN on planes where no rule fires. If an output has a
+            default and no rule fires on some plane, all planes of the output have the default.
 
         Raises
         ------
         InvalidValue
-            If the inputs are not finite or of another shape.
+            If the inputs are not finite or have a wrong shape.
         """
         shape, rows = self._rows(X)
         self._refuse(rows)
@@ -212,18 +214,18 @@ class GeneralType2System(FuzzySystem):
             )
         cuts = planes.swapaxes(1, 2)
         if self.default_outputs is not None:
-            # Where some plane has no answer, the output has none, and is the default on all planes.
+            # If some plane has no answer, the output has none, and all planes take the default.
             silent = np.isnan(cuts).any(axis=(-2, -1), keepdims=True)
             defaults = self.default_outputs[:, np.newaxis, np.newaxis]
             cuts = np.where(silent & ~np.isnan(defaults), defaults, cuts)
         return cuts.reshape(*shape, self.n_outputs, self.levels, 2)
 
     def _prepared_outputs(self) -> Any:
-        # Each α-plane has its own.
+        # Each α-plane has its own table.
         return None
 
     def _compiled_defaults(self) -> Array | None:
-        # A plane on which no rule fires is no plane of an answer: none of the others is either.
+        # A plane on which no rule fires invalidates the output, so all planes become NaN.
         return None
 
     def _firing(self, rows: Array) -> Array:
@@ -237,15 +239,15 @@ class GeneralType2System(FuzzySystem):
         return out
 
     def coverage(self, X: ArrayLike) -> Array:
-        """Return the upper firing strength of the rule that fires most, (...,), for α = 1."""
-        # A low plane of a Gaussian secondary reaches above 0 everywhere; the highest one, alpha =
-        # 1, says where rules really fire.
+        """Return the upper firing strength (...,) of the rule that fires most, for α = 1."""
+        # A low plane of a Gaussian secondary is above 0 everywhere. Only the highest plane, α = 1,
+        # shows where rules really fire.
         return self._plane(self.levels - 1).coverage(X)
 
     def embedded_outputs(
         self, x: ArrayLike, count: int = 1000, rng: np.random.Generator | None = None
     ) -> Iterator[Array]:
-        """Yield outputs of type-1 systems within the lowest α-plane.
+        """Yield outputs of type-1 systems embedded in the lowest α-plane.
 
         See :meth:`FuzzySystem.embedded_outputs`.
         """
@@ -261,14 +263,14 @@ class GeneralType2System(FuzzySystem):
                 and self.consequent_sets is not None
                 and self.type_reduction in ("centroid", "center_of_sums")
             ):
-                # One grid for all planes: those of planes of different width would differ, and the
-                # cuts not be nested.
+                # All planes use one grid. Grids of different planes would differ, and the cuts
+                # would not be nested.
                 ranges = tuple(
                     domain_of([row[j] for row in self.consequent_sets if row[j] is not None])
                     for j in range(self.n_outputs)
                 )
                 if any(left == right for left, right in ranges):
-                    # A single point is the same on all planes.
+                    # A singleton is the same on all planes.
                     ranges = None
             for alpha in self.alphas:
 
@@ -310,7 +312,7 @@ class GeneralType2System(FuzzySystem):
         return self._planes[level]
 
     def _crisp(self, X: Any) -> Array:
-        """Return the crisp outputs (..., m); see :class:`GeneralType2System` for how."""
+        """Return the crisp outputs (..., m), as :class:`GeneralType2System` describes."""
         if self.reduction == "gaussian":
             return self._corollary(X)[..., 0]
         if self._one_loop:
@@ -323,15 +325,15 @@ class GeneralType2System(FuzzySystem):
             return out.reshape(*shape, self.n_outputs)
         middles = self.alpha_cuts(X).mean(axis=-1)
         crisp = np.zeros(middles.shape[:-1])
-        # Plane by plane: a product of matrices adds up in an order of its own.
+        # The sum runs plane by plane, because a matrix product would add up in another order.
         for k, share in enumerate(self.alphas / self.alphas.sum()):
             crisp += share * middles[..., k]
         return crisp
 
     def type_reduced(self, X: ArrayLike) -> Array:
-        """Return the lowest α-cut, (..., m, 2), or mean and deviation.
+        """Return the lowest α-cut (..., m, 2), or mean and standard deviation.
 
-        The latter under the Gaussian corollary; a deviation is a standard deviation.
+        Mean and standard deviation are returned under the Gaussian corollary.
 
         Parameters
         ----------
@@ -347,7 +349,7 @@ class GeneralType2System(FuzzySystem):
         Raises
         ------
         InvalidValue
-            If the inputs are not finite or of another shape.
+            If the inputs are not finite or have a wrong shape.
         """
         if self.reduction == "gaussian":
             return self._corollary(X)
@@ -364,8 +366,8 @@ class GeneralType2System(FuzzySystem):
         ):
             raise NotApplicable(
                 name,
-                "it takes rules that join terms by and, without weights, of which each speaks of "
-                "every output, no default outputs, and an exact method",
+                "its rules must join terms with and, have no weights and a consequent for every "
+                "output; it needs an exact method and no default outputs",
             )
         if (
             self.t_norm.name != "product"
@@ -385,7 +387,7 @@ class GeneralType2System(FuzzySystem):
                     raise NotApplicable(name, f"{term!r} has no Gaussian secondary grades")
 
     def _numbers(self, rows: Array) -> tuple[Array, Array]:
-        """Mean and standard deviation of every rule's firing, (n, R) each, by eq. 1.30."""
+        """Return mean and standard deviation of every rule's firing, (n, R) each, by eq. 1.30."""
         from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 
         mean = np.ones((len(rows), len(self.rules)))
@@ -414,7 +416,7 @@ class GeneralType2System(FuzzySystem):
         return mean, np.sqrt(variance)
 
     def _corollary(self, X: ArrayLike) -> Array:
-        """Mean and standard deviation of every output, (..., m, 2)."""
+        """Return mean and standard deviation of every output, (..., m, 2)."""
         shape, rows = self._rows(X)
         if self._table is not None:
             out = np.empty((len(rows), self.n_outputs, 2))
@@ -440,7 +442,7 @@ class GeneralType2System(FuzzySystem):
         return "product" if self.grade_t_norm == "product" else "min"
 
     def validity(self, X: ArrayLike) -> Array:
-        r"""Return the validity of the approximation (eq. 1.109).
+        r"""Return the validity measure of the approximation (eq. 1.109).
 
         It is :math:`k \sum \Delta_r / \sum h_r` with k = 2 for the corollary.
 
@@ -452,13 +454,13 @@ class GeneralType2System(FuzzySystem):
         Returns
         -------
         (...,) ndarray
-            Small against 1 where the corollary can be trusted. Under α-planes, that of the lowest
-            plane's firing intervals.
+            The measure, which is much smaller than 1 where the corollary can be trusted. For
+            α-planes it is that of the lowest plane's firing intervals.
 
         Raises
         ------
         InvalidValue
-            If the inputs are not finite or of another shape.
+            If the inputs are not finite or have a wrong shape.
         """
         if self.reduction != "gaussian":
             return self._plane(0).validity(X)
@@ -472,9 +474,9 @@ class GeneralType2System(FuzzySystem):
         return np.asarray(ratio.reshape(shape))
 
     def _warn_of_validity(self) -> None:
-        """Warn once, at construction, where the corollary is far from exact.
+        """Warn once, at construction, if the corollary is inaccurate.
 
-        In the middles of the terms, that is.
+        The accuracy is checked at the middles of the terms.
         """
         centers = [[highest_point(term) for term in terms] for terms in self.inputs]
         rows = np.array(

@@ -1,8 +1,8 @@
 r"""Derivatives of the crisp output of a fuzzy logic system with respect to its inputs.
 
-An end of a type-reduced interval is the least or the greatest of many weighted averages
-(eq. 1.116), so by the envelope theorem its derivative is that of the average at which it is
-attained, the switch point being held,
+An end of a type-reduced interval is the least or the greatest of many weighted averages (eq.
+1.116). By the envelope theorem, its derivative is that of the average at which it is attained, with
+a fixed switch point:
 
 .. math::
 
@@ -10,17 +10,17 @@ attained, the switch point being held,
     \sum_r \left[(z_r - y) \frac{\partial w_r}{\partial x_i}
     + w_r \frac{\partial z_r}{\partial x_i}\right],
 
-where the second term is there for :class:`fuzzy2.Linear` consequents only. The derivatives of the
-weights follow from those of the terms' memberships (:meth:`fuzzy2.sets.type1.Type1Set.derivative`)
-by the rule of the t-norm: the product rule, or under the minimum that of the smallest grade.
+The second term only occurs for :class:`fuzzy2.Linear` consequents. The derivatives of the weights
+follow from those of the terms' memberships (:meth:`fuzzy2.sets.type1.Type1Set.derivative`): by the
+product rule, or under the minimum as the derivative of the smallest grade.
 
-All of it is differentiated from the right, toward greater :math:`x_i`, which makes a difference at
-kinks only: corners of memberships, equal grades under the minimum, a consequent that equals the
-output so that the switch point passes it, and :math:`x_i = 0` for linear consequents with a spread.
-Of equal grades the one that falls fastest counts; of the averages at a switch point that is passed,
-for the left end the one that falls fastest and for the right end the one that rises fastest.
+All derivatives are taken from the right, toward greater :math:`x_i`. That only matters at kinks: at
+corners of memberships, for equal grades under the minimum, where a consequent equals the output so
+that the switch point passes it, and at :math:`x_i = 0` for linear consequents with a spread. Among
+equal grades, the one that falls fastest is used. Among the averages at a switch point that is being
+passed, the left end uses the one that falls fastest, and the right end the one that rises fastest.
 
-What has no formula here is differentiated by differences of the crisp output.
+Systems without a formula are differentiated by differences of the crisp output.
 """
 
 from __future__ import annotations
@@ -41,13 +41,13 @@ from fuzzy2.systems.log_firing import log_grades, slopes_of_logarithms
 from fuzzy2.systems.norm_slopes import SLOPE_RULES
 from fuzzy2.systems.terms import domain_of, highest_point, spread
 
-_BLOCK = 1 << 20  # numbers in the largest array that is held at once: 8 MiB
+_BLOCK = 1 << 20  # numbers in the largest array that is held in memory at once: 8 MiB
 
-_CONSTANT = np.zeros((1, 1, 1, 1, 2))  # derivatives of points that do not move, as (n, m, R, p, 2)
+_CONSTANT = np.zeros((1, 1, 1, 1, 2))  # derivatives of constant points (n, m, R, p, 2)
 
 
 class Differentiable(Protocol):
-    """What the derivatives of a system are made from."""
+    """Interface that derivatives need of a system."""
 
     @property
     def inputs(self) -> Sequence[Sequence[Any]]:
@@ -56,32 +56,32 @@ class Differentiable(Protocol):
 
     @property
     def rules(self) -> Any:
-        """Number of the term of each input that a rule asks for, −1 for none, (R, p), or trees."""
+        """Number of each input's term in a rule (R, p), -1 for none; or trees."""
         ...
 
     @property
     def weights(self) -> Array | None:
-        """What the firing of each rule is multiplied by, (R,); None for 1."""
+        """Weights of the rules (R,); None if all are 1."""
         ...
 
     @property
     def implication(self) -> TNorm:
-        """How a rule's firing scales its output set."""
+        """T-norm that combines a rule's firing with its output set."""
         ...
 
     @property
     def without_formula(self) -> str | None:
-        """What a system has for which there is no formula; None if nothing."""
+        """Part of the system for which there is no formula; None if there is none."""
         ...
 
     @property
     def consequents(self) -> Any:
-        """Consequents as they were given."""
+        """Consequents as given."""
         ...
 
     @property
     def consequent_sets(self) -> Sequence[Sequence[Any]] | None:
-        """Consequents that are sets, by rule and output; None if they are none."""
+        """Consequents that are sets, by rule and output; None if they are not sets."""
         ...
 
     @property
@@ -91,17 +91,17 @@ class Differentiable(Protocol):
 
     @property
     def fuzzifiers(self) -> Any:
-        """A fuzzifier for each input; None if all are singleton."""
+        """A fuzzifier for each input; None if all are singleton fuzzifiers."""
         ...
 
     @property
     def t_norm(self) -> TNorm:
-        """How the grades of a rule are combined."""
+        """T-norm that combines the grades of a rule."""
         ...
 
     @property
     def type_reduction(self) -> str:
-        """Name of the way from firing intervals to a type-reduced set."""
+        """Name of the type reduction."""
         ...
 
     @property
@@ -111,7 +111,7 @@ class Differentiable(Protocol):
 
     @property
     def planes(self) -> Sequence[tuple[float, Differentiable]]:
-        """Systems that the crisp output is a weighted sum of, with their weights; else none."""
+        """Systems whose weighted sum is the crisp output, with their weights; otherwise empty."""
         ...
 
     @property
@@ -124,7 +124,7 @@ class Differentiable(Protocol):
         ...
 
     def log_firing(self, rows: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Return logarithms of firing intervals, and where floats do not hold these."""
+        """Return the logarithms of firing intervals, and where the intervals underflow."""
         ...
 
     def __call__(self, X: ArrayLike) -> Array:
@@ -139,7 +139,7 @@ class Differentiable(Protocol):
 def gradient(system: Differentiable, rows: Array) -> Array:
     """Return the derivatives of the crisp outputs.
 
-    By formula where there is one and by differences elsewhere.
+    They follow from the formula if there is one, and from differences otherwise.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ def gradient(system: Differentiable, rows: Array) -> Array:
 
 
 def analytic_gradient(system: Differentiable, rows: Array) -> Array:
-    """Return the derivatives of the crisp outputs from the right, by formula.
+    """Return the right-hand derivatives of the crisp outputs by the formula.
 
     Parameters
     ----------
@@ -177,8 +177,8 @@ def analytic_gradient(system: Differentiable, rows: Array) -> Array:
     Raises
     ------
     NotApplicable
-        If the system has a part without a formula; which ones have is said at
-        :meth:`fuzzy2.systems.system.FuzzySystem.gradient`.
+        If the system has a part without a formula;
+        :meth:`fuzzy2.systems.system.FuzzySystem.gradient` lists the parts that have one.
     """
     planes = system.planes
     if planes:
@@ -197,8 +197,8 @@ def analytic_gradient(system: Differentiable, rows: Array) -> Array:
                 "the derivative by formula", f"none is known for the t-norm {norm.name!r}"
             )
     slopes = np.empty((len(rows), system.n_outputs, len(system.inputs)))
-    # The larger of the weights' derivatives, (n, R, 2, p), and the points of all outputs, (n, m,
-    # R).
+    # Size of the larger of two arrays: the weights' derivatives (n, R, 2, p) and the points of all
+    # outputs (n, m, R).
     step = max(1, _BLOCK // (len(system.rules) * max(2 * len(system.inputs), system.n_outputs)))
     for start in range(0, len(rows), step):
         block = rows[start : start + step]
@@ -226,7 +226,7 @@ def gradient_by_differences(system: Differentiable, rows: Array) -> Array:
     Returns
     -------
     (n, m, p) array
-        Derivatives; NaN where no rule fires, or none within three steps.
+        Derivatives; NaN where no rule fires, here or at one of the points within three steps.
     """
     ranges = [
         domain_of(terms) if terms else ends
@@ -249,12 +249,12 @@ def central_differences(function: Callable[[Array], Array], rows: Array, steps: 
 def _of_block(system: Differentiable, rows: Array) -> Array:
     """Return the derivatives (n, m, p) at inputs (n, p).
 
-    The weights of all of them are in memory.
+    The weights at all inputs of the block are in memory.
     """
     strengths, rates = _firing(system, rows)
     slopes = np.empty((len(rows), system.n_outputs, len(system.inputs)))
     if system.middles is not None:
-        crisp = system(rows)  # by the Gaussian corollary, which is the type-1 system in the middle
+        crisp = system(rows)  # equals the type-1 system of the principal memberships
         slopes[:] = left_end(
             system.middles.T[np.newaxis], _CONSTANT[..., 0], crisp, strengths, rates
         )
@@ -280,7 +280,7 @@ def _firing(system: Differentiable, rows: Array) -> tuple[Array, Array]:
             continue
         grades, slopes = _grades_and_slopes(system, terms, rows[:, i])
         asked = system.rules[:, i]
-        # Only the rules that ask for this input: to the others it makes no difference.
+        # Only the rules that use this input depend on it.
         used = np.flatnonzero(asked >= 0)
         grade, own = grades[:, asked[used]], strengths[:, used]
         rate = np.zeros((len(rows), len(used), 2, len(system.inputs)))
@@ -294,15 +294,15 @@ def _firing(system: Differentiable, rows: Array) -> tuple[Array, Array]:
 
 
 def _far_away(system: Differentiable, rows: Array, logarithms: Array) -> Array:
-    """Return the derivatives (n, m, p) at inputs whose firing strengths no floats hold.
+    """Return the derivatives (n, m, p) at inputs where firing strengths underflow.
 
-    Relative to the greatest weight that an end takes, those that it takes are floats.
+    Relative to the greatest weight that an end uses, the weights that it uses do not underflow.
     """
     if system.t_norm.name not in ("min", "product"):
         return gradient_by_differences(system, rows)
     rates = _log_rates(system, rows)
     reduced = system.type_reduced(rows)
-    # What outputs make of the weights is factors.
+    # The outputs multiply the weights by factors.
     ones = np.ones_like(logarithms)
     slopes = np.empty((len(rows), system.n_outputs, len(system.inputs)))
     for outputs, points, rises, factors, _ in _outputs(system, rows, ones, np.zeros_like(rates)):
@@ -323,7 +323,7 @@ def _far_away(system: Differentiable, rows: Array, logarithms: Array) -> Array:
 def _log_rates(system: Differentiable, rows: Array) -> Array:
     """Return the derivatives (n, R, 2, p) of the logarithms of firing strengths."""
     shape = (len(rows), len(system.rules), 2, len(system.inputs))
-    # Of inputs that play no part in a rule the grade is 1.
+    # An input that a rule does not use has the grade 1.
     logarithms, log_slopes = np.zeros(shape), np.zeros(shape)
     for i, terms in enumerate(system.inputs):
         used = np.flatnonzero(system.rules[:, i] >= 0)
@@ -354,7 +354,7 @@ def _grades_and_slopes(
 def _ends(system: Differentiable, term: Any) -> tuple[Any, Any]:
     """Return the lower and the upper membership function of a term.
 
-    Twice the principal one for the Gaussian corollary.
+    For the Gaussian corollary both are the principal membership function.
     """
     if isinstance(term, GaussianType2Set):
         return term.principal, term.principal
@@ -364,9 +364,9 @@ def _ends(system: Differentiable, term: Any) -> tuple[Any, Any]:
 def _outputs(
     system: Differentiable, rows: Array, strengths: Array, rates: Array
 ) -> Iterator[tuple[slice, Array, Array, Array, Array]]:
-    """Yield outputs that share weights.
+    """Yield the outputs in groups that share their weights.
 
-    Yield their points (n or 1, m, R, 2) with the derivatives of those, and the weights with theirs.
+    Each group has its points (n or 1, m, R, 2) with their derivatives, and its weights with theirs.
     """
     if system.type_reduction == "center_of_sets" and not isinstance(system.consequents, Linear):
         yield (

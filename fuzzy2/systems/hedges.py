@@ -1,4 +1,4 @@
-r"""Hedges: words that make a term stricter or looser, ``x is very Low``.
+r"""Hedges, which are words that make a term stricter or looser, as in ``x is very Low``.
 
 =====================  ==================================================
 word                   grade for a grade :math:`\mu`
@@ -10,8 +10,8 @@ more or less           :math:`\sqrt\mu`
 slightly               :math:`\sqrt[3]\mu`
 =====================  ==================================================
 
-Zadeh's powers, as MATLAB's documentation gives them. Programs differ in what they call by these
-words; a system takes hedges of one's own, ``hedges={"very": Hedge("very", power=1.5)}``.
+These are Zadeh's powers, as in MATLAB's documentation. Other programs give these words other
+meanings. A system accepts user-defined hedges, ``hedges={"very": Hedge("very", power=1.5)}``.
 """
 
 from __future__ import annotations
@@ -35,14 +35,14 @@ def intensify(grades: Array) -> Array:
 
 
 def relax(grades: Array) -> Array:
-    r"""Return what :func:`intensify` undoes, :math:`\sqrt{\mu/2}` up to 1/2."""
+    r"""Return the inverse of :func:`intensify`, which is :math:`\sqrt{\mu/2}` up to 1/2."""
     low, high = np.sqrt(0.5 * grades), 1.0 - np.sqrt(0.5 * (1.0 - grades))
     return np.where(grades <= 0.5, low, high)
 
 
 @dataclass(frozen=True)
 class Scaled:
-    """Function of a hedge that multiplies grades by a factor in [0, 1]: the weight of a part."""
+    """Hedge function that multiplies grades by a factor in [0, 1], the weight of a part."""
 
     factor: float
 
@@ -52,29 +52,29 @@ class Scaled:
 
 
 NAMED_FUNCTIONS = MappingProxyType({"intensify": intensify, "relax": relax})
-"""Functions of hedges that files know by name."""
+"""Functions of hedges that have a name in files."""
 
 
 @dataclass(frozen=True)
 class Hedge:
-    """What a word does to the grade of a term.
+    """Function that a word applies to the grade of a term.
 
     Parameters
     ----------
     name : str
         The word, or words.
     power : float, optional
-        Power that the grade is raised to, above 0.
+        Exponent of the grade, above 0.
     function : callable, optional
-        From grades (...,) in [0, 1] to grades (...,), rising or falling all the way; either this or
-        a power. Compiled loops, exported code and files know :func:`intensify`, :func:`relax` and
-        :class:`Scaled`; systems with others are evaluated at NumPy's speed.
+        Monotonic function that maps grades (...,) in [0, 1] to grades (...,), instead of a power.
+        Compiled loops, exported code and files support :func:`intensify`, :func:`relax` and
+        :class:`Scaled`. Systems with other functions are evaluated in NumPy, which is slower.
 
     Raises
     ------
     InvalidValue
-        If neither or both are given, the power is not above 0, or the function leaves [0, 1] or
-        both rises and falls.
+        If neither or both are given, if the power is not above 0, or if the function leaves [0, 1]
+        or is not monotonic.
     """
 
     name: str
@@ -109,9 +109,9 @@ class Hedge:
         return np.asarray(grades**self.power)
 
     def of_logarithms(self, logarithms: Array) -> Array:
-        """Return logarithms of the hedged grades, of the logarithms (...,) of grades.
+        """Return the logarithms of the hedged grades, given the logarithms (...,) of grades.
 
-        Of a function of one's own this is as good as floats: a grade that underflows is 0.
+        For a user-defined function the grades are floats, so a grade that underflows is 0.
         """
         if self.power is not None:
             return np.asarray(self.power * logarithms)
@@ -139,16 +139,16 @@ HEDGES = MappingProxyType(
         )
     }
 )
-"""Hedges that every system knows."""
+"""Hedges that every system accepts."""
 
 ANY = "any"
-"""Word for whatever value: ``x is any`` holds always."""
+"""Word for any value: ``x is any`` always holds."""
 
 
 def known_hedges(
     given: Mapping[str, Hedge | Callable[[Array], Array]] | None,
 ) -> dict[str, Hedge]:
-    """Return the hedges of a system by their words in lower case: its own, and the common ones.
+    """Return a system's own hedges and the common ones, by their words in lower case.
 
     Raises
     ------
@@ -161,7 +161,7 @@ def known_hedges(
     for name, hedge in (given or {}).items():
         word = " ".join(str(name).split()).lower()
         if word in ("", "not", ANY, "is", "if", "then", "and", "or", "else", "with"):
-            raise InvalidValue("hedges", name, "words that are no keywords")
+            raise InvalidValue("hedges", name, "words that are not keywords")
         if not isinstance(hedge, Hedge) and not callable(hedge):
             raise InvalidValue(f"hedge {name!r}", hedge, "a Hedge, or a function of grades")
         known[word] = hedge if isinstance(hedge, Hedge) else Hedge(word, function=hedge)

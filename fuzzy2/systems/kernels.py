@@ -1,4 +1,4 @@
-"""Compiled loops of inference; :mod:`fuzzy2.systems` is their face."""
+"""Compiled loops of inference, which :mod:`fuzzy2.systems` calls."""
 
 from __future__ import annotations
 
@@ -19,29 +19,30 @@ from fuzzy2.systems.firing_kernels import (
 )
 from fuzzy2.systems.log_firing_kernels import center_in_logarithms, log_fire, lost
 
-# Comparisons closer than this, relative to what is compared, are left to the search that rounding
-# cannot mislead.
+# Comparisons closer than this, relative to the compared values, are left to the exact search, which
+# rounding cannot mislead.
 CLOSE = 1e-12
-# Products of weights below this one would lose digits to underflow; that search makes them relative
+# Products of weights below this would lose digits to underflow. The exact search scales the weights
 # first.
 TINY = 1e-200
 
 
 @scalar
 def work_size(table: Array) -> int:
-    """Return how much room one row takes: grades and firing strengths, and what a search needs."""
+    """Return the size of the scratch space for one row: grades, firing strengths and searches."""
     size = 2 * int(table[1]) + 10 * int(table[2]) + 2 * int(table[3])
     return size + (2 * int(table[int(table[5]) + 3]) if table[5] > 0.0 else 0)
 
 
 @scalar
 def rooms(table, work):
-    """Return the parts of ``work`` (``work_size``,).
+    """Return the parts of the scratch space ``work`` (``work_size``,).
 
-    For functions that own no memory themselves: others would give these parts back.
+    Only functions that do not allocate memory may call it, because others would release these
+    parts.
 
-    Grades (2 T,), lower and upper firing strengths (R,), their differences (R,), moments (2 m,),
-    seven numbers a rule for searches, and the stack.
+    The parts are grades (2 T,), lower and upper firing strengths (R,), their differences (R,),
+    moments (2 m,), seven numbers per rule for searches, and the stack.
     """
     grades, rules = 2 * int(table[1]), int(table[2])
     moments = grades + 3 * rules
@@ -59,9 +60,9 @@ def rooms(table, work):
 
 @scalar
 def _exact_end(table, z, order, rules, low, high, room):
-    """One end by the search of ``_end``, for firing strengths of very different size.
+    """Return one end by the search of ``_end``, for firing strengths of very different sizes.
 
-    The fast search hands over to it.
+    The fast search falls back to it.
     """
     points, before, after = room[:rules], room[rules : 2 * rules], room[2 * rules : 3 * rules]
     below, above = room[3 * rules : 4 * rules], room[4 * rules : 5 * rules]
@@ -80,7 +81,7 @@ def _exact_end(table, z, order, rules, low, high, room):
 
 @scalar
 def _center_of_spoken(table, low, high, room, out, oo, crisp):
-    """Do as ``_center_of_sets`` where rules leave outputs out, or outputs have defaults."""
+    """Do as ``_center_of_sets`` for rules without some consequents, or outputs with defaults."""
     inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
     extremes = HEADER + TERM * terms + rules * inputs + 2 * rules * outputs
     in_order = extremes + 2 * outputs
@@ -115,9 +116,9 @@ def _center_of_spoken(table, low, high, room, out, oo, crisp):
 def _center_of_sets(  # noqa: C901 (both ends of all outputs in one compiled loop, for speed)
     table, low, high, extra, moments, room, out, oo, crisp
 ):
-    """Write the type-reduced interval, or its middle, of every output.
+    """Write the type-reduced interval of every output, or its middle.
 
-    NaN where no rule fires.
+    It is NaN where no rule fires.
     """
     if table[5] > 0.0 and table[int(table[5]) + 2] > 0.0:
         _center_of_spoken(table, low, high, room, out, oo, crisp)
@@ -137,15 +138,15 @@ def _center_of_sets(  # noqa: C901 (both ends of all outputs in one compiled loo
         extra[r] = high[r] - weight
         uncertainty = max(uncertainty, extra[r])
         if low[r] > 0.0:
-            # A slice, so that the compiler sees a plain row and adds several outputs at once.
+            # A slice shows the compiler a contiguous row, so that it adds several outputs at once.
             row = table[ends + 2 * outputs * r : ends + 2 * outputs * (r + 1)]
             for j in range(2 * outputs):
                 moments[j] += weight * row[j]
     for j in range(outputs):
         least = greatest = math.nan
-        # The left end as it is, then the right end mirrored: distances grow from the extreme point
-        # inward and take upper weights up to the switch point, so sums are only added to. (One
-        # function for both would be called with a dozen arguments, and cost twice.)
+        # The left end is computed as it is, the right end on mirrored points. Distances grow from
+        # the extreme point inward and take upper weights up to the switch point, so the sums only
+        # grow. (One function for both would take a dozen arguments and twice the time.)
         for end in range(2):
             if not fires > 0.0:
                 break
@@ -154,12 +155,12 @@ def _center_of_sets(  # noqa: C901 (both ends of all outputs in one compiled loo
             moment = moments[j + outputs * end]
             weight = mass
             settled = fires > TINY
-            # Without uncertainty there is nothing to search: no weight can change.
+            # Without uncertainty there is no switch point to search.
             i = 0 if uncertainty > 0.0 else rules
             while i < rules:
                 distance = table[z + i]
                 gap = distance * weight - moment
-                # Without any weight yet there is no average to pass.
+                # Before any weight is added there is no average to compare with.
                 if weight > 0.0 and not gap < -CLOSE * moment:
                     settled = settled and (gap > CLOSE * moment or moment == 0.0)
                     break
@@ -178,7 +179,8 @@ def _center_of_sets(  # noqa: C901 (both ends of all outputs in one compiled loo
         if crisp:
             out[oo + j] = 0.5 * (least + greatest)
         else:
-            # The ends of a point come from two sides, and can miss each other by rounding.
+            # The two ends are computed separately and may cross by rounding if the interval is a
+            # point.
             out[oo + 2 * j], out[oo + 2 * j + 1] = min(least, greatest), max(least, greatest)
 
 
@@ -186,33 +188,33 @@ def _center_of_sets(  # noqa: C901 (both ends of all outputs in one compiled loo
 def evaluate_in(
     table: Array, x: Array, xo: int, width: float, crisp: bool, work: Array, out: Array, oo: int
 ) -> None:
-    """Do as ``evaluate`` for the finite row that starts at ``xo``; outputs go to ``oo`` and on.
+    """Do as ``evaluate`` for the finite row at ``xo``; write the outputs from ``oo`` on.
 
-    ``work`` (``work_size``,) is room for it.
+    ``work`` (``work_size``,) is scratch space.
     """
     grades, low, high, extra, moments, room, stack = rooms(table, work)
     _fire(table, x, xo, width, grades, low, high, stack)
     _center_of_sets(table, low, high, extra, moments, room, out, oo, crisp)
-    # Mostly the first rule is enough to say no.
+    # Usually the first rule already rules out underflow.
     if (low[0] < VANISHED or table[5] > 0.0) and lost(table, low, high):
         log_fire(table, x, xo, width, grades, low, high, stack)
         center_in_logarithms(table, low, high, room, out, oo, crisp)
 
 
-# Rows that are carried together where there are many: enough to hide the loops' own cost, few
-# enough to stay in the fastest memory.
+# Number of rows that are processed together: enough to hide the overhead of the loops, few enough
+# to stay in the fastest cache.
 LANES = 128
 
 
 @compiled
 def _nearest(distances, order, table, extra, mass, moment, weight, unsettled):
-    """Search one end of all rows of a block at once.
+    """Search the switch points of one end for all rows of a block at once.
 
-    ``moment`` holds that of the lower weights, and becomes that at the switch point.
+    ``moment`` holds the moment of the lower weights, and becomes the moment at the switch point.
 
-    The rows of a block share the order of the rules, so each step is the same few operations on
-    rows side by side; a row that has passed its switch point stays there, for the next distance is
-    greater still.
+    The rows of a block share the order of the rules, so each step is the same few operations on all
+    rows. A row that has passed its switch point stays there, because the next distance is greater
+    still.
     """
     for row in range(LANES):
         weight[row] = mass[row]
@@ -232,9 +234,9 @@ def _nearest(distances, order, table, extra, mass, moment, weight, unsettled):
 def _evaluate_blocks(  # noqa: C901 (LANES rows in one compiled loop, for speed)
     table, x, width, crisp, out, rows
 ):
-    """Do as ``evaluate`` for ``rows`` rows, a multiple of LANES, all outputs of a block at a time.
+    """Do as ``evaluate`` for ``rows`` rows, a multiple of LANES, block by block.
 
-    To the last bit the same.
+    The results are the same bit for bit.
     """
     inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
     ends = HEADER + TERM * terms + rules * inputs
@@ -257,7 +259,7 @@ def _evaluate_blocks(  # noqa: C901 (LANES rows in one compiled loop, for speed)
                 mass[lane] += lower[lane]
                 unsettled[lane] = max(unsettled[lane], upper[lane])
         for lane in range(LANES):
-            # What was the greatest firing strength becomes whether weights are too small.
+            # The greatest firing strength is replaced with a flag: whether weights are too small.
             settled = unsettled[lane] > TINY and mass[lane] >= rules * VANISHED
             unsettled[lane] = 0.0 if settled else 1.0
         for r in range(rules if uncertain else 0):
@@ -287,7 +289,7 @@ def _evaluate_blocks(  # noqa: C901 (LANES rows in one compiled loop, for speed)
                         unsettled,
                     )
                 else:
-                    # No weight can change, so there is nothing to search.
+                    # No weight can change, so there is no switch point to search.
                     for lane in range(LANES):
                         weight[lane] = mass[lane]
                 extreme = table[extremes + column]
@@ -311,7 +313,7 @@ def _evaluate_blocks(  # noqa: C901 (LANES rows in one compiled loop, for speed)
 def evaluate(table: Array, x: Array, width: float, crisp: bool, out: Array) -> int:
     """Write the outputs (rows, m), or type-reduced intervals (rows, m, 2), of flat inputs.
 
-    Return -1 or the first row not finite.
+    Return -1, or the number of the first row that is not finite.
     """
     inputs, outputs = int(table[0]), int(table[3])
     work = np.empty(work_size(table))
@@ -336,7 +338,7 @@ def evaluate_row(table: Array, x: Array, out: Array) -> int:
 
     Return 1, or 0 if it is not one finite row of inputs.
 
-    For callers in a hurry: every argument costs a tenth of a microsecond.
+    It is a fast path with few arguments, because each argument costs a tenth of a microsecond.
     """
     if x.size != int(table[0]):
         return 0
@@ -355,9 +357,10 @@ def crisp_planes_in(
     out: Array,
     oo: int,
 ) -> None:
-    """Do as ``evaluate_crisp_planes`` for the finite row at ``xo``; outputs go to ``oo`` and on.
+    """Do as ``evaluate_crisp_planes`` for the finite row at ``xo``; write from ``oo`` on.
 
-    ``work`` is as of ``evaluate_in``, ``middles`` (m,) room for one plane's outputs.
+    ``work`` is as in ``evaluate_in``, and ``middles`` (m,) is scratch space for one plane's
+    outputs.
     """
     total = 0.0
     for plane in range(alphas.size):
@@ -374,7 +377,7 @@ def crisp_planes_in(
 
 @compiled
 def evaluate_crisp_planes(table: Array, x: Array, widths: Array, alphas: Array, out: Array) -> int:
-    """Write the crisp outputs (rows, m), the middles on the alpha-planes weighted with alpha.
+    """Write the crisp outputs (rows, m): averages of the α-planes' middles, weighted with α.
 
     Return as ``evaluate``.
     """
@@ -392,7 +395,7 @@ def evaluate_crisp_planes(table: Array, x: Array, widths: Array, alphas: Array, 
 def evaluate_planes(table: Array, x: Array, widths: Array, out: Array) -> int:
     """Write the type-reduced intervals (rows, planes, m, 2) of the alpha-planes.
 
-    Half-widths are ``widths``. Return as ``evaluate``.
+    ``widths`` are the half-widths of the planes. The return value is that of ``evaluate``.
     """
     inputs, outputs = int(table[0]), int(table[3])
     work = np.empty(work_size(table))
@@ -419,7 +422,7 @@ def _firing_in(table, x, xo, width, work, out, oo):
 def firing(table: Array, x: Array, width: float, out: Array) -> int:
     """Write the firing intervals (rows, R, 2) of flat inputs.
 
-    Return -1 or the first row that is not finite.
+    Return -1, or the number of the first row that is not finite.
     """
     inputs, rules = int(table[0]), int(table[2])
     work = np.empty(work_size(table))

@@ -1,4 +1,4 @@
-"""Firing strengths by their logarithms, for rules that fire less than floats can say."""
+"""Logarithms of firing strengths, for rules whose firing underflows."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ from fuzzy2.systems.antecedents import And, Antecedent, Hedged, Is, Not, Or
 from fuzzy2.systems.table import CONORMS, NORMS
 
 VANISHED = 1e-280
-"""Firing strengths below this one have lost digits, or all of them, to underflow."""
+"""Firing strengths below this threshold have lost digits to underflow, or are 0."""
 
 _Combine = Callable[[Array, Array], Array]
 
 
 class LogNorms(NamedTuple):
-    """What *and* and *or* make of logarithms of grades."""
+    """Functions that apply *and* and *or* to logarithms of grades."""
 
     both: _Combine
     either: _Combine
     both_not: _Combine
-    """The t-norm that joins complements where ``either`` joins grades."""
+    """The t-norm of complements that corresponds to ``either`` for grades."""
     either_not: _Combine
-    """The t-conorm that joins complements where ``both`` joins grades."""
+    """The t-conorm of complements that corresponds to ``both`` for grades."""
 
 
 def log_norms(both: str, either: str) -> LogNorms:
-    """Return them for the t-norm and the t-conorm of these names."""
+    """Return the functions for a t-norm and a t-conorm, given by name."""
     from fuzzy2.systems.log_firing_kernels import combine_logarithms
 
     def combine(code: int, is_conorm: bool) -> _Combine:
@@ -52,11 +52,11 @@ def log_norms(both: str, either: str) -> LogNorms:
 
 
 def lost(strengths: Array, silent: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
-    """Return where (n,) an end may hang on firing strengths (n, R, 2) that floats do not hold.
+    """Return where (n,) an end may depend on firing strengths (n, R, 2) that underflow.
 
-    A lower strength that is a float outweighs what is lost, and so does each upper one if all are
-    floats: an end takes some upper strength. ``silent`` (R, m) says which rules do not speak of an
-    output.
+    A lower strength that has not underflowed outweighs all that have. If all upper strengths are
+    normal floats, nothing is lost either, because an end uses some upper strength. ``silent`` (R,
+    m) marks the rules without a consequent for an output.
     """
     low, high = strengths[..., 0], strengths[..., 1]
     speaking = (
@@ -72,7 +72,7 @@ def lost(strengths: Array, silent: NDArray[np.bool_] | None) -> NDArray[np.bool_
 def log_grades(terms: Sequence[Any], x: Array, grades: Array) -> Array:
     """Return the logarithms of grades (n, terms, 2) of an input x (n,).
 
-    Those of Gaussians are parabolas, also where the grades themselves underflow.
+    For Gaussians they are parabolas, even where the grades themselves underflow.
     """
     with np.errstate(divide="ignore", over="ignore"):
         found: Array = np.log(grades)
@@ -86,7 +86,7 @@ def log_grades(terms: Sequence[Any], x: Array, grades: Array) -> Array:
 
 
 def slopes_of_logarithms(terms: Sequence[Any], x: Array, grades: Array, slopes: Array) -> Array:
-    """Return the derivatives by x of :func:`log_grades`, of grades with these slopes."""
+    """Return the derivatives of :func:`log_grades`, for grades with given slopes."""
     found: Array = np.divide(slopes, grades, out=np.zeros_like(grades), where=grades > 0.0)
     for t, term in enumerate(terms):
         row = _gaussian_row(term)
@@ -97,7 +97,7 @@ def slopes_of_logarithms(terms: Sequence[Any], x: Array, grades: Array, slopes: 
 
 
 def _gaussian_row(term: Any) -> tuple[float, ...] | None:
-    """Return the kernel row of a Gaussian term, whose mean or deviation may be uncertain."""
+    """Return the kernel row of a Gaussian term; its mean or standard deviation may be uncertain."""
     row: tuple[float, ...] | None = term.kernel_row()
     return row if row is not None and row[0] == 0.0 else None
 
@@ -122,7 +122,7 @@ def log_firing(
     logarithms : sequence of p (n, terms, 2) arrays
         Logarithms of each input's grades in its terms.
     rules : (R, p) array, or R trees
-        Number of the term of each input that a rule asks for, or -1; or what it asks for as a tree.
+        Number of each input's term in a rule, or -1; or the antecedents as trees.
     weights : (R,) array, optional
         Weights of the rules.
     norms : LogNorms
@@ -131,7 +131,7 @@ def log_firing(
     Returns
     -------
     (n, R, 2) array
-        Logarithms, -inf of what does not fire.
+        Logarithms; -inf for rules that do not fire.
     """
     if isinstance(rules, tuple):
         fired = np.stack([log_strength(tree, logarithms, norms) for tree in rules], axis=1)
@@ -140,7 +140,7 @@ def log_firing(
         for i, of_input in enumerate(logarithms):
             used = np.flatnonzero(rules[:, i] >= 0)
             fired[:, used] = norms.both(fired[:, used], of_input[:, rules[used, i]])
-    # Rounding, which is not the same for both ends, must not exchange them.
+    # The two ends are rounded differently, which must not swap them.
     np.minimum(fired[..., 0], fired[..., 1], out=fired[..., 0])
     if weights is not None:
         with np.errstate(divide="ignore"):
@@ -151,7 +151,7 @@ def log_firing(
 def log_strength(
     tree: Antecedent, logarithms: Sequence[Array], norms: LogNorms, negated: bool = False
 ) -> Array:
-    """Return the logarithms (n, 2) of what :func:`fuzzy2.systems.antecedents.strength` gives."""
+    """Return the logarithms (n, 2) of the result of :func:`fuzzy2.systems.antecedents.strength`."""
     match tree:
         case Is(variable, term):
             of_input = logarithms[int(variable)]
@@ -174,7 +174,7 @@ def log_strength(
 
 
 def _log_complement(logarithms: Array) -> Array:
-    """Return the logarithms of 1 less the intervals (n, 2) of which these are the logarithms."""
+    """Return the logarithms of 1 - f for intervals f (n, 2) that are given as logarithms."""
     turned = logarithms[:, ::-1]
     with np.errstate(divide="ignore"):
         near = np.log(-np.expm1(turned))

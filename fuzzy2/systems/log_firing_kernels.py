@@ -1,7 +1,7 @@
-"""Compiled inference in logarithms, where firing strengths underflow.
+"""Compiled inference in logarithms, for firing strengths that underflow.
 
-The ends of an interval depend on ratios of firing strengths only, and Gaussians fire everywhere: an
-input that is far from all terms has an answer, though no float holds how little its rules fire.
+The ends of an interval depend only on ratios of firing strengths, and Gaussians fire everywhere. So
+an input far from all terms has an answer even if its firing strengths underflow.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ LOG_2 = math.log(2.0)
 
 @scalar
 def lost(table, low, high):
-    """Return whether an end may hang on firing strengths that floats do not hold.
+    """Return whether an end may depend on firing strengths that underflow.
 
-    A lower strength that is a float outweighs what is lost, and so does each upper one if all are
-    floats: an end takes some upper strength.
+    A lower strength that has not underflowed outweighs all that have. If all upper strengths are
+    normal floats, nothing is lost either, because an end uses some upper strength.
     """
     rules, outputs = low.size, int(table[3])
     silent = int(table[5]) + SUPPLEMENT + rules
@@ -42,10 +42,9 @@ def lost(table, low, high):
 
 @scalar
 def _log_grades(row, o, x, width, low, high):
-    """Logarithms of the grades of ``_grades``, which are ``low`` and ``high``.
+    """Return the logarithms of the grades ``low`` and ``high`` that ``_grades`` returned.
 
-    Of Gaussians they are parabolas, however far x is away and though the grades themselves
-    underflow.
+    For Gaussians they are parabolas, even where the grades themselves underflow.
     """
     kind = int(row[o + 1])
     if kind == 1 or kind > 2 or (kind == 2 and width * row[o + 8] > 0.0):
@@ -62,7 +61,7 @@ def _log_grades(row, o, x, width, low, high):
 
 @scalar
 def log_not(a):
-    """Logarithm of the complement of a grade."""
+    """Return the logarithm of the complement of a grade."""
     return math.log(-math.expm1(a)) if a > -0.5 else math.log1p(-math.exp(a))
 
 
@@ -70,7 +69,7 @@ def log_not(a):
 def log_both(norm, a, b):
     """Do as ``_both`` with logarithms of grades.
 
-    Where a t-norm jumps, grades are compared as the floats that ``_both`` would be given.
+    Where a t-norm jumps, grades are compared as floats, as in ``_both``.
     """
     least, most = min(a, b), max(a, b)
     if norm == 0 or least == -math.inf:
@@ -78,7 +77,7 @@ def log_both(norm, a, b):
     if norm == 1:
         return a + b
     if norm == 2:
-        # What the greater grade lacks of 1 is taken away from the smaller one.
+        # The complement of the greater grade is subtracted from the smaller grade.
         missing = log_not(most) - least
         return least + log_not(missing) if missing < 0.0 else -math.inf
     if norm == 3:
@@ -127,16 +126,17 @@ def log_hedged(code, number, a):
 
 @compiled
 def combine_logarithms(norm: int, either: bool, a: Array, b: Array, out: Array) -> None:
-    """Write what the t-norm, or the t-conorm, of a code makes of logarithms of grades (n,)."""
+    """Write the t-norm or t-conorm of a code of logarithms of grades (n,)."""
     for i in range(out.size):
         out[i] = log_either(norm, a[i], b[i]) if either else log_both(norm, a[i], b[i])
 
 
 @scalar
 def log_fire(table, x, xo, width, grades, low, high, stack):
-    """Write the logarithms of what ``_fire`` writes.
+    """Write the logarithms of the firing strengths that ``_fire`` writes.
 
-    ``grades`` are as it left them for the input that starts at ``xo``, and ``stack`` is as there.
+    ``grades`` are those that ``_fire`` left for the input that starts at ``xo``, and ``stack`` is
+    the same scratch space.
     """
     inputs, terms, rules, norm = int(table[0]), int(table[1]), int(table[2]), int(table[4])
     start = int(table[5])
@@ -157,7 +157,7 @@ def log_fire(table, x, xo, width, grades, low, high, stack):
                 if t >= 0:
                     lower = log_both(norm, lower, grades[2 * t])
                     upper = log_both(norm, upper, grades[2 * t + 1])
-            # Rounding, which is not the same for both ends, must not exchange them.
+            # The two ends are rounded differently, which must not swap them.
             low[r], high[r] = min(lower, upper), upper
     for r in range(rules if start > 0 else 0):
         weight = math.log(table[start + SUPPLEMENT + r])
@@ -204,7 +204,7 @@ def _log_fire_trees(table, grades, low, high, stack):
 
 @scalar
 def center_in_logarithms(table, low, high, room, out, oo, crisp):
-    """Do as ``_center_of_sets`` with logarithms of firing strengths, in ``room`` of 5 R."""
+    """Do as ``_center_of_sets`` with logarithms; ``room`` (5 R,) is scratch space."""
     inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
     extremes = HEADER + TERM * terms + rules * inputs + 2 * rules * outputs
     in_order = extremes + 2 * outputs
@@ -228,7 +228,8 @@ def center_in_logarithms(table, low, high, room, out, oo, crisp):
                     count += 1
             if count == 0:
                 continue
-            # Distances from the extreme point, so that the right end is a left one, too.
+            # Distances are measured from the extreme point, so the right end is computed as a left
+            # end.
             nearest = end_in_logarithms(points[:count], before[:count], after[:count], below, above)
             if end == 0:
                 least = table[extremes + j] + nearest

@@ -1,4 +1,4 @@
-"""Points of the greatest grade, of samples or of a function that is sampled."""
+"""Points of greatest grade, of samples or of a sampled function."""
 
 from __future__ import annotations
 
@@ -10,26 +10,26 @@ from numpy.typing import NDArray
 from fuzzy2.support.checks import Array
 
 _SAME = 1e-12
-"""Share of the greatest grade within which grades are the greatest, too."""
+"""Relative difference below which grades are equal to the greatest."""
 _CLOSER_POINTS, _CLOSER_GRIDS = 17, 16
 
 
 def maximum(
     points: Array, grades: Array, kind: str, function: Callable[[Array], Array] | None = None
 ) -> Array:
-    """Return points (n,) of the greatest grade.
+    """Return points (n,) of greatest grade.
 
     Parameters
     ----------
     points : (N,) or (n, N) array
         Ascending points.
     grades : (n, N) array
-        Grades there.
+        Grades at the points.
     kind : str
         One of ``operators.MAXIMA``.
     function : callable, optional
-        From points (n, q) to grades (n, q). With it points are samples of intervals, of which the
-        ends are looked for; without it they are all there is.
+        Maps points (n, q) to grades (n, q). With it, the points are samples of a continuous
+        function whose maxima are refined. Without it, the points are a discrete set.
 
     Returns
     -------
@@ -65,7 +65,7 @@ def maximum(
 
 
 def _mean(x: Array, high: NDArray[np.bool_], continuous: bool) -> Array:
-    """Return the mean over the plateaus if there are any, else over the points."""
+    """Return the mean over the plateaus if there are any, otherwise over the points."""
     count = high.sum(axis=1)
     means = np.where(high, x, 0.0).sum(axis=1) / np.maximum(count, 1)
     if not continuous:
@@ -73,13 +73,13 @@ def _mean(x: Array, high: NDArray[np.bool_], continuous: bool) -> Array:
     lengths = np.where(high[:, :-1] & high[:, 1:], np.diff(x, axis=1), 0.0)
     total = lengths.sum(axis=1)
     moments = (lengths * 0.5 * (x[:, :-1] + x[:, 1:])).sum(axis=1)
-    # Plateaus of the width of a rounding are points.
+    # Plateaus no wider than a rounding error are points.
     wide = total > 1e-9 * (x[:, -1] - x[:, 0])
     return np.asarray(np.where(wide, moments / np.where(wide, total, 1.0), means))
 
 
 def _with_peaks(x: Array, grades: Array, function: Callable[[Array], Array]) -> tuple[Array, Array]:
-    """Return samples with the first and the last maximum between them found to rounding."""
+    """Return samples that include the first and the last maximum, up to rounding."""
     rows = np.arange(len(x))
     added, heights = [], []
     for side in (0, 1):

@@ -1,4 +1,4 @@
-"""Compiled loops from inputs to Tsukamoto's averages; :mod:`fuzzy2.systems.outputs` is the face."""
+"""Compiled loops of Tsukamoto's averages, which :mod:`fuzzy2.systems.outputs` calls."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ HALVINGS = 100
 
 
 class Monotonics(NamedTuple):
-    """Monotonic consequents, each asked for the point where it has the grade of the firing.
+    """Monotonic consequents; each contributes the point where its grade is the firing.
 
     Parameters
     ----------
     table : (k,) ndarray
-        For the firing, see :mod:`fuzzy2.systems.kernels`.
+        Table of the firing, see :mod:`fuzzy2.systems.kernels`.
     sets : ndarray
         A table of the sets, see :class:`fuzzy2.systems.term_rows.TermRows`.
     set_of : (m, R) ndarray of int
-        Number of the set that a rule fires; -1 where it is silent.
+        Number of the set that a rule fires; -1 if it has no consequent for the output.
     is_rising : (m, R) ndarray of int
-        1 where that rises, 0 where it falls.
+        1 for a rising set, 0 for a falling one.
     ends : (m, 2) ndarray
-        Ends of the outputs, between which points are looked for.
+        Ends of the outputs, between which points are searched.
     defaults : (m,) ndarray
         Outputs where no rule fires; NaN for none.
     is_bounded : int
-        1 if points lie within the ends, 0 if one there counts as infinite.
+        1 if points are limited to the ends, 0 if a point at an end counts as infinite.
     """
 
     table: Array
@@ -50,10 +50,10 @@ class Monotonics(NamedTuple):
 
 @scalar
 def _point_of(system, q, left, right, grade):
-    """Return where the set of a rule and an output, q counts both, has a grade above 0."""
+    """Return where a set has a grade above 0; q counts rules and outputs together."""
     o = HEADER + TERM * system.set_of[q]
     if int(system.sets[o + 1]) == SIGMOID:
-        # Near 1 only the formula tells grades apart.
+        # Near 1 only the formula resolves grades.
         point = system.sets[o + 2] - math.log((1.0 - grade) / grade) / system.sets[o + 3]
         return min(max(point, left), right) if system.is_bounded == 1 else point
     rising = system.is_rising[q] == 1
@@ -66,7 +66,7 @@ def _point_of(system, q, left, right, grade):
         else:
             high = middle
     if system.is_bounded == 0:
-        # A grade that is approached but never reached, as 1 by a sigmoid, is at infinity.
+        # A grade that is approached but never reached, such as 1 for a sigmoid, is at infinity.
         if low == left:
             return -math.inf
         if high == right:
@@ -76,9 +76,9 @@ def _point_of(system, q, left, right, grade):
 
 @scalar
 def points_in(system: Monotonics, x: Array, xo: int, work: Array, out: Array, oo: int) -> None:
-    """Write the outputs (m,) of the finite row at ``xo``, from ``oo`` on.
+    """Write the outputs (m,) of the finite row at ``xo`` from ``oo`` on.
 
-    ``work`` (``work_size``,) is room for it.
+    ``work`` (``work_size``,) is scratch space.
     """
     rules, outputs = int(system.table[2]), int(system.table[3])
     grades, low, high, _, _, room, stack = rooms(system.table, work)
@@ -91,7 +91,7 @@ def points_in(system: Monotonics, x: Array, xo: int, work: Array, out: Array, oo
                 point = _point_of(
                     system, j * rules + r, system.ends[2 * j], system.ends[2 * j + 1], high[r]
                 )
-                # An average with infinity is infinite, or of both infinities nothing.
+                # An average with one infinity is infinite; with both infinities it is NaN.
                 if not math.isfinite(point):
                     beyond += point
                     point = 0.0

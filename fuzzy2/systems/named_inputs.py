@@ -1,4 +1,4 @@
-"""Inputs by name: of a mapping, of keywords, or of a data frame; and outputs like them."""
+"""Inputs by name (mappings, keyword arguments or data frames), and outputs of the same type."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from fuzzy2.systems.rules import unknown_name
 
 
 def by_name(X: Any, names: Sequence[str], named: bool) -> Any:
-    """Return inputs in the order of a system's inputs, (..., p), if they have names.
+    """Return inputs (..., p) in the order of a system's inputs if they have names.
 
     Parameters
     ----------
     X : mapping, data frame, Series of pandas or array_like
-        Values by name, which broadcast, or a table whose ``columns`` have names, or a row of one;
-        anything else is returned as it is.
+        Values by name, which are broadcast, or a table whose ``columns`` have names, or a row of
+        such a table. Anything else is returned unchanged.
     names : sequence of str
         Names of the system's inputs.
     named : bool
-        Whether somebody gave them. Columns of a data frame are not matched with names that nobody
-        gave, but taken in their order.
+        Whether the names were given by the user. Columns of a data frame are not matched with
+        default names, but taken in their order.
 
     Returns
     -------
@@ -34,8 +34,8 @@ def by_name(X: Any, names: Sequence[str], named: bool) -> Any:
     Raises
     ------
     InvalidValue
-        If there is no value for an input, or one for what is no input; columns of a data frame that
-        are no inputs are passed over.
+        If an input has no value, or a value has the name of no input. Other columns of a data frame
+        are ignored.
     """
     if isinstance(X, Mapping):
         unknown = [name for name in X if name not in names]
@@ -44,7 +44,7 @@ def by_name(X: Any, names: Sequence[str], named: bool) -> Any:
         return _stacked(X, names)
     columns = getattr(X, "columns", None)
     if _is_of_pandas(X, "Series"):
-        # A row of a data frame, whose numbers may come in another order.
+        # A row of a data frame may have its numbers in another order.
         columns = X.index if all(isinstance(label, str) for label in X.index) else None
     if columns is None or isinstance(X, np.ndarray):
         return X
@@ -55,7 +55,7 @@ def by_name(X: Any, names: Sequence[str], named: bool) -> Any:
 
 
 def like_inputs(outputs: Array, X: Any, names: Sequence[str]) -> Any:
-    """Return outputs (n, m) as what the inputs came in, if that is of pandas.
+    """Return outputs (n, m) in the type of the inputs if that is a type of pandas.
 
     Parameters
     ----------
@@ -69,7 +69,8 @@ def like_inputs(outputs: Array, X: Any, names: Sequence[str]) -> Any:
     Returns
     -------
     DataFrame, Series or ndarray
-        A data frame with the index of the inputs, of a row a Series; of anything else the array.
+        A data frame with the index of the inputs, a Series for a single row, or the array for any
+        other type of inputs.
     """
     if _is_of_pandas(X, "DataFrame"):
         return sys.modules["pandas"].DataFrame(outputs, index=X.index, columns=list(names))
@@ -79,7 +80,7 @@ def like_inputs(outputs: Array, X: Any, names: Sequence[str]) -> Any:
 
 
 def _is_of_pandas(X: Any, kind: str) -> bool:
-    """Return whether X is of a class of pandas, which only who has imported it can have made."""
+    """Return whether X is of a class of pandas, without importing pandas."""
     pandas = sys.modules.get("pandas")
     return pandas is not None and isinstance(X, getattr(pandas, kind))
 

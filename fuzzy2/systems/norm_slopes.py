@@ -1,4 +1,4 @@
-"""Derivatives of t-norms from the right, of those that have a formula."""
+"""Right-hand derivatives of the t-norms that have a formula."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from fuzzy2.operations.t_norms import T_NORMS, TNorm
 from fuzzy2.support.checks import Array
 
 SlopeRule = Callable[[Array, Array, Array, Array], Array]
-"""From a grade, its derivative, another grade and its derivative to that of both."""
+"""Takes two grades, each followed by its derivative, and returns the derivative of their t-norm."""
 
 
 def _of_product(a: Array, a_rate: Array, b: Array, b_rate: Array) -> Array:
@@ -39,7 +39,7 @@ def _of_einstein(a: Array, a_rate: Array, b: Array, b_rate: Array) -> Array:
     return (b * (2.0 - b) * a_rate + a * (2.0 - a) * b_rate) / (1.0 + (1.0 - a) * (1.0 - b)) ** 2
 
 
-# How the derivatives of two grades make that of their combination, from the right.
+# Functions that combine the right-hand derivatives of two grades into that of their t-norm.
 SLOPE_RULES: dict[TNorm, SlopeRule] = {
     T_NORMS["product"]: _of_product,
     T_NORMS["min"]: _of_minimum,

@@ -1,6 +1,6 @@
-r"""Names of the operators of a system: how rules are united, reduced and defuzzified.
+r"""Names of the operators of a system: aggregation, type reduction and defuzzification.
 
-Type reductions, from the firing of the rules to an answer:
+Type reductions compute an answer from the firing of the rules:
 
 ============================  ==================================================================
 name                          answer
@@ -18,15 +18,15 @@ name                          answer
 "smallest_absolute_maximum"   of these points the one nearest to 0, MATLAB's smallest of maxima
 "largest_absolute_maximum"    the one farthest from 0, MATLAB's largest of maxima
 "weighted_sum"                sum of the consequents, weighted with the firing, without dividing
-"united_average"              average of the different consequents, the firing of the rules that
-                              say the same united by the t-conorm first
-"united_sum"                  sum of them in the same way
+"united_average"              average of the different consequents; the firing of rules with
+                              the same consequent is united by the t-conorm first
+"united_sum"                  sum of the different consequents, with the same firing
 "tsukamoto"                   average of the points where monotonic consequents have the grade of
                               the firing
 ============================  ==================================================================
 
-MATLAB's names are taken, too: ``"wtaver"``, ``"wtsum"``, ``"mom"``, ``"som"`` and ``"lom"``, in
-MATLAB's sense; and ``"weighted_average"`` for ``"center_of_sets"``.
+MATLAB's names ``"wtaver"``, ``"wtsum"``, ``"mom"``, ``"som"`` and ``"lom"`` are accepted with
+MATLAB's meaning, and so is ``"weighted_average"`` for ``"center_of_sets"``.
 """
 
 from __future__ import annotations
@@ -40,13 +40,13 @@ from fuzzy2.operations.t_norms import T_CONORMS, T_NORMS, BinaryFunction, TConor
 from fuzzy2.reduction.interval import METHODS as EXACT_METHODS
 
 POINTS = ("center_of_sets", "weighted_sum", "united_average", "united_sum")
-"""Type reductions that take numbers, intervals and functions, too."""
+"""Type reductions that accept numbers, intervals and functions, too."""
 
 HEIGHTS = ("height", "modified_height")
 """Type reductions that average highest points."""
 
 AVERAGES = (*POINTS, *HEIGHTS, "tsukamoto")
-"""Type reductions that go rule by rule."""
+"""Type reductions that average over the rules."""
 
 MAXIMA = (
     "smallest_of_maxima",
@@ -56,25 +56,25 @@ MAXIMA = (
     "smallest_absolute_maximum",
     "largest_absolute_maximum",
 )
-"""Type reductions that take a point of the greatest grade."""
+"""Type reductions that return a point of greatest grade."""
 
 UNIONS = ("centroid", "center_of_sums", "bisector", *MAXIMA)
-"""Type reductions that unite the sets of the rules first."""
+"""Type reductions that first unite the sets of the rules."""
 
 TYPE_REDUCTIONS = (*AVERAGES, *UNIONS)
-"""Names of the ways from firing intervals to a type-reduced set."""
+"""Names of the type reductions."""
 
 CRISP_ONLY = ("bisector", *MAXIMA, "tsukamoto")
-"""Type reductions that are defined for type-1 systems."""
+"""Type reductions that are only defined for type-1 systems."""
 
 DIRECT_METHODS = ("nie_tan", "wu_mendel", "begian_melek_mendel")
-"""Methods that go to the crisp output without the type-reduced interval, approximately."""
+"""Approximate methods that compute the crisp output without the type-reduced interval."""
 
 METHODS = (*EXACT_METHODS, *DIRECT_METHODS)
 """Names of the methods of type reduction of a system."""
 
 INTEGRATIONS = ("exact", "sum", "trapezoidal", "midpoint", "left")
-"""How the centroid of united sets is found: by integration, or as a sum over points from end to
+"""How the centroid of united sets is computed: by integration, or as a sum over points from end to
 end, over trapezoids between them, over the middles of equal pieces, or over their left ends."""
 
 ALIASES = MappingProxyType(
@@ -90,21 +90,21 @@ ALIASES = MappingProxyType(
 """Other names of type reductions."""
 
 SUM = TConorm("sum", np.add, T_NORMS["lukasiewicz"])
-"""Aggregation that adds the sets of the rules up, above 1, too. It is no t-conorm."""
+"""Aggregation that adds up the sets of the rules, even above 1. It is not a t-conorm."""
 
 AGGREGATIONS = MappingProxyType({**T_CONORMS, SUM.name: SUM})
 """Ways to unite the sets of the rules, by name."""
 
 
 def aggregation(name: str | TConorm | BinaryFunction) -> TConorm:
-    """Return the way in which the rules' sets are united: a t-conorm, or the sum."""
+    """Return the aggregation of the rules' sets: a t-conorm, or the sum."""
     if isinstance(name, str) and name == SUM.name:
         return SUM
     return t_conorm(name)
 
 
 def type_reduction(name: str) -> str:
-    """Return a type reduction by its own name.
+    """Return the canonical name of a type reduction.
 
     Raises
     ------

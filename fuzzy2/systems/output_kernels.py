@@ -1,7 +1,8 @@
-"""Compiled loops from firing to averages; :mod:`fuzzy2.systems.outputs` is their face.
+"""Compiled loops from firing to averages, which :mod:`fuzzy2.systems.outputs` calls.
 
-For systems that average points, by any method, and are more than a table of consequents: linear
-functions of the inputs, highest points of sets, direct methods and weighted sums.
+They serve systems that average points, by any method, and need more than a table of constant
+consequents: linear functions of the inputs, highest points of sets, direct methods and weighted
+sums.
 """
 
 from __future__ import annotations
@@ -21,44 +22,43 @@ from fuzzy2.systems.kernels import rooms, work_size
 from fuzzy2.systems.log_firing_kernels import log_fire, lost
 
 EXACT, NIE_TAN, WU_MENDEL, BEGIAN_MELEK_MENDEL, WEIGHTED_SUM = range(5)
-"""Codes of the ways from weighted points to an interval."""
+"""Codes of the methods that reduce weighted points to an interval."""
 SUMMED = -1
-"""Code of the sum among those of t-conorms."""
+"""Code of the sum among the codes of t-conorms."""
 
 
 class Points(NamedTuple):
-    """What a system averages.
+    """Tables of the points that a system averages.
 
     Parameters
     ----------
     table : (k,) ndarray
-        For the firing, see :mod:`fuzzy2.systems.kernels`.
+        Table of the firing, see :mod:`fuzzy2.systems.kernels`.
     ends : (m, R, 2) ndarray
-        Ends of the points; of linear functions constants.
+        Ends of the points; for linear functions, the constants.
     slopes : (m, R, 2 p) ndarray
-        Of linear functions what each input adds to the middle, then to the spread, and ``ends``
-        are middle and spread; else of size 0.
+        For linear functions, the slopes of the middle and then of the spread; ``ends`` then holds
+        middle and spread. Otherwise of size 0.
     grades : (m, R, 2) ndarray
-        Grades of sets at the points, which the implication combines with the firing; or of size 0.
+        Grades of sets at the points, which the implication combines with the firing; or empty.
     shares : (m, R) ndarray
-        What weights are multiplied by; or of size 0.
+        Factors of the weights; or empty.
     silent : (m, R) ndarray
-        1 where a rule does not speak of an output, else 0.
+        1 where a rule has no consequent for an output, 0 elsewhere.
     defaults : (m,) ndarray
         Outputs where no rule fires; NaN for none.
     codes : (5,) ndarray of int
-        The way, the code of the implication, whether nothing but ratios of weights matters, how
-        the weights of rules that say the same are united, and the numbers that formulas stack.
+        Code of the method, code of the implication, whether only ratios of weights matter, code of
+        the t-conorm for rules with the same consequent, and depth of the formulas' stack.
     leaders : (m, R) ndarray of int
-        The first rule that says the same of an output, which has the weights of all of them united;
-        or of size 0.
+        Number of the first rule with the same consequent, which takes the united weight of all of
+        them; or empty.
     programs : ndarray
-        Steps of the formulas of the points, see :mod:`fuzzy2.support.formula_kernels`; or of size
-        0.
+        Steps of the formulas of the points, see :mod:`fuzzy2.support.formula_kernels`; or empty.
     places : (m R + 1,) ndarray of int
-        Where those of each formula begin.
+        Place where the steps of each formula begin.
     of_averages : (2,) ndarray
-        Weights of the lower and the upper average in that of Begian, Melek and Mendel.
+        Weights of the lower and the upper average in the Begian-Melek-Mendel method.
     """
 
     table: Array
@@ -77,13 +77,13 @@ class Points(NamedTuple):
 
 @scalar
 def points_room_size(system: Points) -> int:
-    """Return how much room one row takes."""
+    """Return the size of the scratch space for one row."""
     return work_size(system.table) + int(system.codes[4])
 
 
 @scalar
 def _mean(points, weights, in_logarithms):
-    """Return the average of points, NaN where all weights are 0."""
+    """Return the average of points; NaN if all weights are 0."""
     greatest = weights[0]
     for i in range(weights.size):
         greatest = max(greatest, weights[i])
@@ -99,7 +99,7 @@ def _mean(points, weights, in_logarithms):
 
 @scalar
 def _log_or_sum(weights, in_logarithms):
-    """Return the sum of weights, or the logarithm of their sum."""
+    """Return the sum of weights, or the logarithm of the sum if the weights are logarithms."""
     greatest, total = -math.inf, 0.0
     for i in range(weights.size):
         greatest = max(greatest, weights[i])
@@ -112,7 +112,7 @@ def _log_or_sum(weights, in_logarithms):
 
 @scalar
 def _bound(points, low, high, sign, in_logarithms):
-    """Return the middle of Wu and Mendel's bounds of the left end, of points by a sign."""
+    """Return the middle of the Wu-Mendel bounds of the left end; ``sign`` mirrors the points."""
     first, last = math.inf, -math.inf
     none = -math.inf if in_logarithms else 0.0
     for i in range(points.size):
@@ -133,7 +133,7 @@ def _bound(points, low, high, sign, in_logarithms):
 
 @scalar
 def _sort(points, low, high):
-    """Bring points with their weights in ascending order, equal ones as they were."""
+    """Sort points with their weights in ascending order; equal points keep their order."""
     for i in range(1, points.size):
         point, lower, upper = points[i], low[i], high[i]
         k = i
@@ -145,7 +145,7 @@ def _sort(points, low, high):
 
 @scalar
 def _exact(points, low, high, left, in_logarithms, below, above):
-    """Return an end of the exact interval of points that can all carry weight."""
+    """Return an end of the exact interval of points with positive upper weights."""
     certain = True
     for i in range(points.size):
         certain = certain and low[i] == high[i]
@@ -168,7 +168,7 @@ def _exact(points, low, high, left, in_logarithms, below, above):
 
 @scalar
 def _said(system, x, xo, j, r, end):
-    """Return an end of what a rule says of an output."""
+    """Return an end of a rule's consequent for an output."""
     inputs, rules = int(system.table[0]), int(system.table[2])
     o = 2 * (j * rules + r)
     if system.slopes.size == 0:
@@ -182,11 +182,11 @@ def _said(system, x, xo, j, r, end):
 
 @scalar
 def _weight(system, q, strength, end, in_logarithms):
-    """Return the weight of a rule for an output, q counts both, of its firing strength."""
+    """Return the weight of a rule for its firing strength; q counts outputs and rules together."""
     weight = strength
     if system.grades.size > 0:
         grade = system.grades[2 * q + end]
-        # Logarithms are those of products.
+        # Logarithms are only used with the product.
         weight = (
             weight + math.log(grade) if in_logarithms else _both(system.codes[1], weight, grade)
         )
@@ -198,7 +198,7 @@ def _weight(system, q, strength, end, in_logarithms):
 
 @scalar
 def _fired_together(system, j, r, end, fired):
-    """Return the united firing of the rules that say the same of an output as rule r."""
+    """Return the united firing of all rules that have the same consequent as rule r."""
     rules = int(system.table[2])
     together = 0.0
     for other in range(r, rules):
@@ -213,10 +213,10 @@ def _fired_together(system, j, r, end, fired):
 
 @scalar
 def _gather(system, x, xo, j, end, fired, in_logarithms, said, points, low, high):
-    """Write the points that can carry weight, and their weights.
+    """Write the points with positive upper weights, and their weights.
 
-    ``said`` (R,) are the values of formulas. Return how many there are, and the sum of those points
-    that are no finite numbers; 0 stands in their place.
+    ``said`` (R,) holds the values of formulas. Return the number of points, and the sum of the
+    points that are not finite, which are replaced with 0.
     """
     rules = int(system.table[2])
     none = -math.inf if in_logarithms else 0.0
@@ -247,7 +247,7 @@ def _gather(system, x, xo, j, end, fired, in_logarithms, said, points, low, high
 
 @scalar
 def reduced_by(way, of_averages, end, points, low, high, in_logarithms, below, above):
-    """Return an end of the interval of points that can carry weight, at least one."""
+    """Return an end of the interval of points with positive upper weights, at least one."""
     if way == EXACT:
         return _exact(points, low, high, end == 0, in_logarithms, below, above)
     if way == WU_MENDEL:
@@ -268,7 +268,7 @@ def reduced_by(way, of_averages, end, points, low, high, in_logarithms, below, a
 
 @scalar
 def _sum(points, low, high, end):
-    """Return an end of the sum of points, weighted with intervals; all of one end of points."""
+    """Return an end of the sum of ``points``, one end each, weighted with intervals."""
     total = 0.0
     for i in range(points.size):
         one, other = low[i] * points[i], high[i] * points[i]
@@ -278,7 +278,7 @@ def _sum(points, low, high, end):
 
 @scalar
 def _evaluate_formulas(system, j, x, xo, stack, said):
-    """Write what the formulas (R,) of an output say."""
+    """Write the values (R,) of the formulas of an output."""
     for r in range(said.size):
         q = j * said.size + r
         said[r] = formula_at(system.programs, system.places[q], system.places[q + 1], x, xo, stack)
@@ -286,9 +286,9 @@ def _evaluate_formulas(system, j, x, xo, stack, said):
 
 @scalar
 def average_in(system: Points, x: Array, xo: int, work: Array, out: Array, oo: int) -> None:
-    """Write the type-reduced intervals (m, 2) of the finite row at ``xo``, from ``oo`` on.
+    """Write the type-reduced intervals (m, 2) of the finite row at ``xo`` from ``oo`` on.
 
-    ``work`` (``points_room_size``,) is room for it.
+    ``work`` (``points_room_size``,) is scratch space.
     """
     rules, outputs = int(system.table[2]), int(system.table[3])
     grades, fired_low, fired_high, _, _, room, stack = rooms(system.table, work)
@@ -332,7 +332,7 @@ def average_in(system: Points, x: Array, xo: int, work: Array, out: Array, oo: i
             and system.codes[0] != WU_MENDEL
             and system.codes[0] != WEIGHTED_SUM
         ):
-            # Direct methods average the middles.
+            # Direct methods average the middles of the points.
             out[place] = out[place + 1] = 0.5 * out[place] + 0.5 * out[place + 1]
         elif out[place] > out[place + 1]:
             out[place], out[place + 1] = out[place + 1], out[place]
@@ -345,7 +345,7 @@ def average_in(system: Points, x: Array, xo: int, work: Array, out: Array, oo: i
 def averages(system: Points, x: Array, out: Array) -> int:
     """Write the type-reduced intervals (rows, m, 2) of flat inputs.
 
-    Return -1 or the first row not finite.
+    Return -1, or the number of the first row that is not finite.
     """
     inputs, outputs = int(system.table[0]), int(system.table[3])
     work = np.empty(points_room_size(system))

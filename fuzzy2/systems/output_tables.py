@@ -1,4 +1,4 @@
-"""The outputs of a system as tables, for the compiled loops that reduce them."""
+"""Tables of a system's outputs, for the compiled loops that reduce them."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ WAYS = {"nie_tan": 1, "wu_mendel": 2, "begian_melek_mendel": 3}
 
 
 def tables_of(outputs: Outputs, table: Array, defaults: Array | None) -> Any:
-    """Return the tables of prepared outputs for the loop that knows them, or None if none does.
+    """Return the tables of outputs for the loop that can reduce them, or None if none can.
 
     Parameters
     ----------
     outputs : Outputs
         The outputs.
     table : (k,) ndarray
-        The system's, see :mod:`fuzzy2.systems.table`.
+        Table of the system, see :mod:`fuzzy2.systems.table`.
     defaults : (m,) ndarray, or None
         Outputs where no rule fires.
     """
@@ -48,12 +48,12 @@ def tables_of(outputs: Outputs, table: Array, defaults: Array | None) -> Any:
 
 
 def _code_of(norm: TNorm) -> int | None:
-    """Return the code of a t-norm; None of one's own, which may have the name of one of ours."""
+    """Return the code of a t-norm; None for a user-defined one, even if its name is known."""
     return NORMS.index(norm.name) if norm == T_NORMS.get(norm.name) else None
 
 
 def _united_by(outputs: Outputs) -> int | None:
-    """Return the code of the t-conorm of the rules, -1 for the sum; None of one's own."""
+    """Return the code of the rules' t-conorm, -1 for the sum; None for a user-defined one."""
     by = outputs.aggregation
     if by is None or by is SUM:
         return -1
@@ -61,7 +61,7 @@ def _united_by(outputs: Outputs) -> int | None:
 
 
 def _points(outputs: Outputs, table: Array, missing: Array) -> Any:
-    """Return what is averaged or summed up rule by rule."""
+    """Return the points that are averaged or summed rule by rule."""
     from fuzzy2.systems.output_kernels import Points
 
     own, none = outputs.operators, np.empty(0, np.int64)
@@ -108,7 +108,7 @@ def _points(outputs: Outputs, table: Array, missing: Array) -> Any:
 
 
 def _heights(outputs: Outputs, shape: tuple[int, ...]) -> tuple[Array, Array, Array]:
-    """Return points (m, R, 2), grades (m R 2,) and shares (m R,) of the height reducers."""
+    """Return points (m, R, 2), grades (m R 2,) and factors (m R,) of the height reducers."""
     ends, grades, shares = np.zeros(shape), np.zeros(shape), np.ones(shape[:2])
     modified = outputs.operators.type_reduction == "modified_height"
     for j, rules in enumerate(outputs.speaking):
@@ -122,7 +122,7 @@ def _heights(outputs: Outputs, shape: tuple[int, ...]) -> tuple[Array, Array, Ar
 
 
 def _leaders(outputs: Outputs) -> NDArray[np.int64]:
-    """Return the first rule (m R,) that says the same as each rule."""
+    """Return for each rule the first rule (m R,) with the same consequent."""
     rules = len(outputs.intervals)
     leaders = np.tile(np.arange(rules), (len(outputs.same), 1))
     for j, groups in enumerate(outputs.same):
@@ -132,7 +132,7 @@ def _leaders(outputs: Outputs) -> NDArray[np.int64]:
 
 
 def _unions(outputs: Outputs, table: Array, missing: Array) -> Any:
-    """Return what is united and integrated, or of which the greatest grades are looked for."""
+    """Return the sets that are united, for integration or for a search of maxima."""
     from fuzzy2.systems.union_rows import Unions
 
     own, count = outputs.operators, outputs.intervals.shape[1]
@@ -149,7 +149,7 @@ def _unions(outputs: Outputs, table: Array, missing: Array) -> Any:
         crisp = crisp and united.crisp
     summed, asked = outputs.aggregation is None, _asked(outputs)
     if summed and asked > 1:
-        # The sum may be greatest where none of the sets is.
+        # The sum may have its maximum where none of the sets has one.
         return None
     codes = [own.implication.name == "product", summed, hangs_on_ratios(own), crisp]
     return Unions(
@@ -168,7 +168,7 @@ def _unions(outputs: Outputs, table: Array, missing: Array) -> Any:
 
 
 def _asked(outputs: Outputs) -> int:
-    """Return the code of what is asked of unions, see :mod:`fuzzy2.systems.crisp_unions`."""
+    """Return the code of the quantity to compute, see :mod:`fuzzy2.systems.crisp_unions`."""
     kind = outputs.operators.type_reduction
     if kind in ("centroid", "center_of_sums"):
         return 0
@@ -179,7 +179,7 @@ def _asked(outputs: Outputs) -> int:
 
 
 def _sampled(outputs: Outputs, table: Array, missing: Array) -> Any:
-    """Return the grades of all sets on grids, or of single points at all of them."""
+    """Return the grades of all sets on grids, or at all points if the sets are single points."""
     from fuzzy2.systems.sampled_rows import CERTAIN, Sampled
     from fuzzy2.systems.union_rows import _is_type_1
 
@@ -222,7 +222,7 @@ def _sampled(outputs: Outputs, table: Array, missing: Array) -> Any:
 
 
 def _monotonics(outputs: Outputs, table: Array, missing: Array) -> Any:
-    """Return the consequents that are asked for points."""
+    """Return the tables of monotonic consequents."""
     from fuzzy2.systems.monotonic_rows import Monotonics
 
     count = outputs.intervals.shape[1]

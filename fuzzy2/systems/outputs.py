@@ -1,4 +1,4 @@
-"""From the firing of the rules to type-reduced outputs, by any of the type reductions."""
+"""Type-reduced outputs from the firing of the rules, by any type reduction."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from fuzzy2.systems.united import United
 
 @dataclass(frozen=True)
 class Operators:
-    """How the firing of rules becomes outputs; see :class:`fuzzy2.FuzzySystem`."""
+    """Operators that turn the firing of rules into outputs; see :class:`fuzzy2.FuzzySystem`."""
 
     type_reduction: str
     method: str
@@ -41,7 +41,7 @@ class Operators:
 
 
 def hangs_on_ratios(operators: Operators) -> bool:
-    """Return whether nothing but ratios of firing strengths matters."""
+    """Return whether the output depends only on ratios of firing strengths."""
     kind = operators.type_reduction
     return kind == "center_of_sets" or (
         kind in (*HEIGHTS, "centroid", "center_of_sums")
@@ -51,21 +51,21 @@ def hangs_on_ratios(operators: Operators) -> bool:
 
 
 class Outputs:
-    """The consequents of a system, ready for any firing.
+    """The consequents of a system, prepared for any firing.
 
     Parameters
     ----------
     operators : Operators
-        How they are reduced.
+        Operators that reduce them.
     consequents : FunctionsOfInputs, or anything
-        Functions; of others the sets or the intervals count.
+        Functions of the inputs. Otherwise ``sets`` or ``intervals`` are used.
     sets : list of lists of sets, or None
-        Consequents that are sets, by rule and output; None for an output of which a rule says
-        nothing.
+        Consequents that are sets, by rule and output; None where a rule has no consequent for an
+        output.
     intervals : (R, m, 2) ndarray
         Consequents, or their centroids.
     silent : (R, m) ndarray of bool, or None
-        Where a rule says nothing of an output.
+        Where a rule has no consequent for an output.
     ranges : sequence of pairs, or None
         Ranges of the outputs.
     """
@@ -124,7 +124,7 @@ class Outputs:
 
     @property
     def aggregation(self) -> TConorm | None:
-        """How the sets of the rules are united; None adds them up."""
+        """Aggregation of the rules' sets; None adds them up."""
         own = self.operators
         summed = own.type_reduction == "center_of_sums" or own.aggregation is SUM
         return None if summed else own.aggregation
@@ -143,9 +143,9 @@ class Outputs:
         return np.stack(outputs, axis=1)
 
     def in_logarithms(self, rows: Array, logarithms: Array) -> Array:
-        """Do as a call for logarithms of firing intervals (n, R, 2).
+        """Do as ``__call__`` with logarithms of firing intervals (n, R, 2).
 
-        For the type reductions of which :func:`hangs_on_ratios` is true.
+        :func:`hangs_on_ratios` must be true for the type reduction.
         """
         own = self.operators
         found = np.full((len(rows), len(self.speaking), 2), np.nan)
@@ -167,7 +167,7 @@ class Outputs:
         return found
 
     def _points_of(self, rows: Array, j: int, logarithms: Array) -> tuple[Array, Array | float]:
-        """Return what the rules that speak of an output say, and what of it is not finite."""
+        """Return the consequents for an output, with 0 for infinite ones, and the sum of those."""
         rules = self.speaking[j]
         if not isinstance(self.consequents, FunctionsOfInputs):
             return self.intervals[rules, j], 0.0
@@ -188,7 +188,7 @@ class Outputs:
             intervals = np.moveaxis(self.consequents.at(rows), 2, 1)
             finite = np.isfinite(intervals)
             if not finite.all():
-                # What a function says where it has no number counts only if its rule fires.
+                # A function value that is not a number only matters if its rule fires.
                 said = ~finite & (weights[..., 1:] > 0.0)
                 with np.errstate(invalid="ignore"):
                     beyond = np.where(said, intervals, 0.0).sum(axis=-2)
@@ -205,7 +205,7 @@ class Outputs:
         return averaged(intervals, weights, own.method, own.shares) + beyond
 
     def _groups(self, sets: Sequence[Sequence[Any]] | None, j: int) -> list[list[int]]:
-        """Return the rules that say the same of an output, of several that do."""
+        """Return groups of rules that have the same consequent for an output."""
         if isinstance(self.consequents, FunctionsOfInputs):
             functions = self.consequents
             said: list[Any] = [functions.said(r, j) for r in range(len(self.intervals))]
@@ -219,7 +219,7 @@ class Outputs:
         return [group for group in groups if len(group) > 1]
 
     def _unite(self, weights: Array, groups: list[list[int]]) -> None:
-        """Give what rules (n, R, 2) that say the same fire together to the first of them."""
+        """Assign the united firing of rules (n, R, 2) with one consequent to the first of them."""
         for group in groups:
             together = self.operators.aggregation.reduce(weights[:, group], axis=1)
             weights[:, group] = 0.0
@@ -240,7 +240,7 @@ class Outputs:
             found = averaged(
                 np.stack([np.where(finite, points, 0.0)] * 2, axis=-1), strengths, "eiasc"
             )
-            # An average with infinity is infinite, or of both infinities nothing.
+            # An average with one infinity is infinite; with both infinities it is NaN.
             with np.errstate(invalid="ignore"):
                 beyond = np.where(finite, 0.0, points).sum(axis=-1, keepdims=True)
             return np.asarray(found + beyond)

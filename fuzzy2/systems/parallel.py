@@ -1,7 +1,7 @@
-"""Several systems of the same inputs side by side, for outputs that differ in their operators.
+"""Parallel systems with the same inputs, for outputs with different operators.
 
-A system has one way from its rules to its outputs. Where one output is Mamdani's and another one
-Takagi and Sugeno's, as files of fuzzylite and IEC 61131-7 may have it, each has its own system.
+A system uses the same operators for all its outputs. Files of fuzzylite and IEC 61131-7 may have,
+for instance, a Mamdani and a Takagi-Sugeno output. Then each output gets its own system.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from fuzzy2.systems.system import FuzzySystem
 
 
 class ParallelSystem:
-    """Systems of the same inputs side by side, each with operators of its own.
+    """Parallel systems with the same inputs, each with its own operators.
 
     Parameters
     ----------
     systems : sequence of systems
-        Systems whose inputs have the same names, and whose outputs have different ones.
+        Systems whose inputs have the same names, and whose outputs have different names.
 
     Raises
     ------
     InvalidValue
-        If there are none, or the names are not so.
+        If there are no systems, or if the names do not satisfy these conditions.
     """
 
     def __init__(self, systems: Sequence[FuzzySystem]) -> None:
@@ -61,7 +61,7 @@ class ParallelSystem:
         return f"ParallelSystem({list(self.systems)!r})"
 
     def _repr_html_(self) -> Markup:
-        """Return what a notebook shows: the systems one below the other."""
+        """Return the HTML that a notebook shows: the systems one below the other."""
         return joined(one._repr_html_() for one in self.systems)
 
     def __call__(self, X: Any = None, /, **named: ArrayLike) -> Array:
@@ -72,18 +72,18 @@ class ParallelSystem:
         X : (..., p) array_like, mapping or data frame
             Inputs.
         **named
-            The same as keywords.
+            Inputs as keyword arguments instead of ``X``.
 
         Returns
         -------
         (..., m) ndarray
-            Outputs of the systems in their order; NaN where no rule fires. Of a DataFrame or Series
-            of pandas the like, see :class:`fuzzy2.FuzzySystem`.
+            Outputs of the systems in their order; NaN where no rule fires. For a DataFrame or
+            Series of pandas, the same type is returned, see :class:`fuzzy2.FuzzySystem`.
 
         Raises
         ------
         InvalidValue
-            If the inputs are not finite or of another shape.
+            If the inputs are not finite or have a wrong shape.
         """
         given = () if X is None else (X,)
         values = [np.asarray(one(*given, **named)) for one in self.systems]
@@ -106,6 +106,6 @@ class ParallelSystem:
         Raises
         ------
         InvalidValue
-            If the inputs are not finite or of another shape.
+            If the inputs are not finite or have a wrong shape.
         """
         return np.concatenate([one.type_reduced(X) for one in self.systems], axis=-2)

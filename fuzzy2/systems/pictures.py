@@ -1,4 +1,4 @@
-"""What sets, systems and learners show of themselves in notebooks: HTML with small pictures."""
+"""HTML with small pictures, which notebooks show for sets, systems and learners."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from fuzzy2.systems.explainable import Explainable
 from fuzzy2.systems.words import rules_in_words
 
 MOST_RULES = 20
-"""Rules that are shown."""
+"""Greatest number of rules that are shown."""
 
 
 def html_of(system: Explainable) -> Markup:
-    """Return what a notebook shows of a system: its terms, and its first rules in words."""
+    """Return the HTML of a system: its terms, and its first rules in words."""
     rows = [
         [name, _pictured(terms, name), ", ".join(words)]
         for name, terms, words in zip(
@@ -38,7 +38,7 @@ def html_of(system: Explainable) -> Markup:
 
 
 def titled(thing: Any) -> Markup:
-    """Return what stands above what a notebook shows of something."""
+    """Return the title above the HTML of an object."""
     return element("p", element("code", repr(thing)))
 
 

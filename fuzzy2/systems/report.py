@@ -1,4 +1,4 @@
-"""What ``validate`` found out about a system."""
+"""Findings of ``validate`` about a system."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from fuzzy2.systems.antecedents import Antecedent, leaves
 
 @dataclass(frozen=True)
 class Report:
-    """What :meth:`FuzzySystem.validate` found; ``ok`` if nothing.
+    """Findings of :meth:`FuzzySystem.validate`; ``ok`` is true if there are none.
 
     Parameters
     ----------
     uncovered : (k, p) ndarray
-        Points of a grid over the inputs' domains, and between them, where no rule fires by more
-        than the threshold.
+        Points of a grid over the inputs' domains, and points between them, where no rule fires
+        above the threshold.
     coverage : float
-        Share of the domain that is covered, by the points between those of the grid.
+        Covered share of the domain, estimated from the points between those of the grid.
     unused_terms : list of (input, term)
-        Terms that no rule asks for.
+        Terms that no rule uses.
     duplicate_rules : list of (rule, rule)
         Rules with the same antecedents and the same consequents.
     conflicting_rules : list of (rule, rule)
@@ -39,7 +39,7 @@ class Report:
 
     @property
     def ok(self) -> bool:
-        """Whether nothing was found."""
+        """Whether there are no findings."""
         return not (
             len(self.uncovered)
             or self.unused_terms
@@ -69,7 +69,7 @@ class Report:
         lines += [f"no rule asks whether {name} is {term}" for name, term in self.unused_terms]
         lines += [f"rules {a + 1} and {b + 1} are the same" for a, b in self.duplicate_rules]
         lines += [
-            f"rules {a + 1} and {b + 1} ask for the same and say different things"
+            f"rules {a + 1} and {b + 1} have the same antecedent and different consequents"
             for a, b in self.conflicting_rules
         ]
         return "; ".join(lines)
@@ -78,7 +78,8 @@ class Report:
 def grid_over(ranges: Array, points: int) -> Array:
     """Return a grid over ranges (p, 2), as rows (n, p).
 
-    Of more than 100 000 points a seeded sample of so many, drawn with repetition.
+    If the grid has more than 100 000 points, a seeded sample of that size is drawn with
+    replacement.
     """
     axes = [np.linspace(low, high, points) for low, high in ranges]
     if points ** len(axes) <= 100_000:
@@ -90,9 +91,9 @@ def grid_over(ranges: Array, points: int) -> Array:
 def repeated_rules(
     rules: Sequence[Hashable], agree: Callable[[int, int], bool | None]
 ) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
-    """Return pairs of rules that ask for the same: those that agree, and those that do not.
+    """Return pairs of rules with the same antecedent: those that agree, and those that conflict.
 
-    Rules that ``agree`` says None of are neither: they speak of different outputs.
+    Pairs for which ``agree`` returns None are in neither list, because their outputs differ.
     """
     duplicates: list[tuple[int, int]] = []
     conflicts: list[tuple[int, int]] = []
@@ -115,25 +116,26 @@ def found_in(
     names: tuple[Sequence[str], Sequence[Sequence[str]]],
     agree: Callable[[int, int], bool | None],
 ) -> Report:
-    """Return what is found out about a system.
+    """Return the findings about a system.
 
     Parameters
     ----------
     covers : callable
-        From inputs (n, p) to whether some rule fires.
+        Tells for inputs (n, p) whether some rule fires.
     ranges : (p, 2) array
-        Where to look.
+        Ranges of the inputs to check.
     points : int
         Grid points per input.
     trees : sequence of R antecedents
-        What the rules ask for, by number.
+        Antecedents of the rules, by numbers.
     names : pair
         Names of the inputs, and of the terms of each.
     agree : callable
         See :func:`repeated_rules`.
     """
     grid = grid_over(ranges, points)
-    # Between its points, too: where terms touch at their feet no rule fires, but only there.
+    # Points between those of the grid are checked as well: where terms touch at their feet, no rule
+    # fires, but only at that point.
     step = (ranges[:, 1] - ranges[:, 0]) / (2 * (points - 1))
     between = grid_over(np.stack([ranges[:, 0] + step, ranges[:, 1] - step], axis=1), points - 1)
     covered, also = (

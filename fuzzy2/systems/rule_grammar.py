@@ -1,4 +1,4 @@
-"""Grammar of rules in words; :mod:`fuzzy2.systems.rules` is its face."""
+"""Grammar of rules in words, which :mod:`fuzzy2.systems.rules` uses."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ _SHOWN = {
 
 
 class Words(NamedTuple):
-    """A rule as it is written, by names."""
+    """A rule as it is written, with names."""
 
     asked: Antecedent
     said: tuple[tuple[str, str, bool], ...]
@@ -72,12 +72,12 @@ def _parser() -> Lark:
 
 
 def parsed(text: str, number: int, hedges: Mapping[str, Hedge]) -> Words:
-    """Return what a line of text states.
+    """Return the rule that a line of text states.
 
     Raises
     ------
     InvalidRule
-        If it is no rule, with what was expected at which word.
+        If the text is not a rule; the message names the word and what was expected there.
     """
     return _Reader(text, number, hedges).rule(_tree(text, number))
 
@@ -85,15 +85,15 @@ def parsed(text: str, number: int, hedges: Mapping[str, Hedge]) -> Words:
 def parsed_hedged(
     text: str, number: int, hedges: Mapping[str, Hedge]
 ) -> tuple[Antecedent, list[tuple[str, list[str], str]], float]:
-    """Return what a line of text states where what is said is hedged, too.
+    """Return the rule of a line of text whose conclusions may be hedged, too.
 
-    The antecedent, the variables, hedges and terms of what is said, and the weight; ``else`` is
-    refused.
+    The result is the antecedent, the variables, hedges and terms of the conclusions, and the
+    weight. ``else`` is refused.
 
     Raises
     ------
     InvalidRule
-        If it is no such rule, with what was expected at which word.
+        If the text is not such a rule; the message names the word and what was expected there.
     """
     return _Reader(text, number, hedges).hedged_rule(_tree(text, number))
 
@@ -121,7 +121,7 @@ def _unexpected(text: str, error: UnexpectedToken) -> str:
         asks_term = after_is and before[-1].lower() in ("is", "not")
         wanted = f"the name of a {'term' if asks_term and _after_is(before) else 'variable'}"
         if known - {"WORD", "QUOTED", "NOT", "MORE_OR_LESS", "LPAR"}:
-            # A term stands there already.
+            # A term has been read there already.
             wanted = _listed(known)
     else:
         wanted = _listed(known)
@@ -211,14 +211,14 @@ class _Reader:
             variable, words, term = self.clause(clause)
             if term is None or any(word != "not" for word in words):
                 raise self.error(
-                    f"hedges what it says of {variable!r}; hedges belong to what is asked, and "
-                    "THEN takes a term, or not and a term"
+                    f"has a hedge before the term of the output {variable!r}; hedges belong to the "
+                    "antecedent, and THEN takes a term, or not and a term"
                 )
             found.append((variable, term, len(words) % 2 == 1))
         return tuple(found)
 
     def clause(self, tree: Tree[Token]) -> tuple[str, list[str], str | None]:
-        """Return variable, hedges and ``not`` from left to right, and term; None for any."""
+        """Return variable, hedges and ``not`` from left to right, and term (None for *any*)."""
         variable = _plain(tree.children[0])
         words = list(tree.children[-1].children)  # type: ignore[union-attr]
         last = words[-1]
@@ -228,7 +228,7 @@ class _Reader:
         for word, token in zip(before, words[:-1], strict=True):
             if word != "not" and (token.type == "QUOTED" or word not in self.hedges):
                 raise self.error(
-                    f"has {str(token)!r} before {_plain(last)!r}, which is no hedge (known: "
+                    f"has {str(token)!r} before {_plain(last)!r}, which is not a hedge (known: "
                     f"{', '.join(self.hedges)}); a name with a blank in it stands in double quotes"
                 )
         anything = last.type == "WORD" and str(last).lower() == ANY

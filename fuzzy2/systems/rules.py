@@ -1,17 +1,18 @@
 """Rules as text and as objects: ``IF x1 is Low and x2 is not High THEN y is Medium``.
 
-What is asked is joined by ``and``, ``or``, ``not`` and parentheses; ``and`` binds closer than
-``or``. A term may be negated and hedged, ``x1 is not very Low`` (:mod:`fuzzy2.systems.hedges`), and
-``x1 is any`` holds always. After ``THEN`` stand terms of outputs, of which a rule may leave some
-out, or their complements, ``y is not Small``. ``ELSE`` says what holds as far as the antecedent
-does not, and ``with 0.5`` is the weight of the rule, by which its firing is multiplied::
+An antecedent joins clauses with ``and``, ``or``, ``not`` and parentheses; ``and`` binds tighter
+than ``or``. A term may be negated and hedged, as in ``x1 is not very Low``
+(:mod:`fuzzy2.systems.hedges`), and ``x1 is any`` always holds. After ``THEN`` come terms of outputs
+or their complements, as in ``y is not Small``; a rule may leave outputs out. The terms after
+``ELSE`` are concluded to the degree to which the antecedent does not hold, and ``with 0.5`` gives
+the weight of the rule, a factor of its firing::
 
     IF (x1 is Low or x2 is very High) and x1 is not Medium THEN y is Small ELSE y is Large with 0.5
 
-Keywords and hedges are written in any case; names of variables and terms are compared letter by
-letter. A name with a blank or a parenthesis in it, or one that is a keyword, stands in double
-quotes: ``IF "air temperature" is "very low" THEN ...``. An input that a rule does not mention can
-be anything. What follows a ``#``, at the start of a line or after a blank, is a comment.
+Keywords and hedges are case-insensitive; names of variables and terms are case-sensitive. A name
+that contains a blank or a parenthesis, or that is a keyword, must be in double quotes: ``IF "air
+temperature" is "very low" THEN ...``. An input that a rule does not mention can have any value. A
+``#`` at the start of a line or after a blank begins a comment.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ KEYWORDS = ("if", "is", "and", "then", "or", "not", "else", "with")
 
 
 class Negated(NamedTuple):
-    """Complement of a term, which a rule says of an output."""
+    """Complement of a term, in the consequent of a rule."""
 
     term: str
 
@@ -54,16 +55,14 @@ Clauses: TypeAlias = tuple[tuple[str, str], ...]
 """Pairs of a variable and one of its terms, in the order in which they are written."""
 
 Conclusions: TypeAlias = tuple[tuple[str, str | Negated], ...]
-"""Pairs of an output and the term, or the negated term, that is said of it."""
+"""Pairs of an output and its term, which may be negated."""
 
 Vocabulary = Mapping[str, Iterable[str]]
-"""Names of the terms of each variable, as a dictionary of them or in a list; the order gives them
-their numbers.
-"""
+"""Names of the terms of each variable, as a dictionary or a list; their order determines their
+numbers."""
 
 LEAST_LIKENESS = 0.5
-"""Names that have less in common are not suggested: twice the letters that match over all
-letters.
+"""Names with a smaller similarity, twice the matching letters over all letters, are not suggested.
 """
 
 
@@ -74,21 +73,21 @@ class Rule:
     Parameters
     ----------
     antecedents : tuple of (variable, term) pairs, or a tree
-        What is asked of the inputs: pairs that all hold, or a tree of
-        :mod:`fuzzy2.systems.antecedents` by names. A dictionary from variables to terms is taken,
-        too, and a tree that is no more than pairs becomes pairs.
+        Conditions on the inputs: pairs that must all hold, or a tree of
+        :mod:`fuzzy2.systems.antecedents` with names. A dictionary from variables to terms is
+        accepted, too. A tree that is a plain conjunction is converted to pairs.
     consequents : tuple of (variable, term) pairs
-        What is said of the outputs; a term may be :class:`Negated`. A dictionary is taken, too.
+        Terms of the outputs; a term may be :class:`Negated`. A dictionary is accepted, too.
     weight : float
-        What the firing of the rule is multiplied by, in [0, 1].
+        Factor of the rule's firing, in [0, 1].
     otherwise : tuple of (variable, term) pairs
-        What is said of the outputs as far as the antecedent does not hold.
+        Terms of the outputs to the degree to which the antecedent does not hold.
 
     Raises
     ------
     InvalidRule
-        If there are no antecedents or no consequents, a variable is mentioned twice in pairs, or
-        the weight is out of range.
+        If there are no antecedents or no consequents, if a variable occurs in two pairs, or if the
+        weight is out of range.
     """
 
     antecedents: Clauses | Antecedent
@@ -113,7 +112,7 @@ class Rule:
 
     @property
     def tree(self) -> Antecedent:
-        """What is asked, as a tree by names."""
+        """The antecedent as a tree with names."""
         if not isinstance(self.antecedents, tuple):
             return self.antecedents
         clauses = tuple(Is(variable, term) for variable, term in self.antecedents)
@@ -131,11 +130,11 @@ class Rule:
 
 
 class RuleBase(NamedTuple):
-    """Rules as numbers of inputs and terms.
+    """Rules with numbers of inputs and terms.
 
-    ``trees`` are what R rules ask for, ``said`` (R, m) is the number of the term of each output, -1
-    where a rule says nothing, ``negated`` (R, m) whether it is its complement, and ``weights`` (R,)
-    multiply the firing.
+    ``trees`` are the antecedents of R rules. ``said`` (R, m) holds the number of each output's
+    term, or -1 where a rule has no consequent; ``negated`` (R, m) tells whether its complement is
+    meant. ``weights`` (R,) are factors of the firing.
     """
 
     trees: tuple[Antecedent, ...]
@@ -152,19 +151,19 @@ def parse_rule(text: str, number: int = 1, hedges: Mapping[str, Hedge] = HEDGES)
     text : str
         ``IF <variable> is <term> and ... THEN <variable> is <term> and ...``; see above.
     number : int
-        Its number in the rule base, for the error message.
+        Number of the rule in the rule base, for the error message.
     hedges : mapping from words to Hedge
         Hedges by their words in lower case.
 
     Returns
     -------
     Rule
-        The rule; its names are not looked up.
+        The rule; its names are not checked.
 
     Raises
     ------
     InvalidRule
-        If the text is no rule, with what was expected at which word.
+        If the text is not a rule; the message names the word and what was expected there.
     """
     from fuzzy2.systems.rule_grammar import parsed
 
@@ -186,15 +185,15 @@ def read_rule_base(
     outputs: Vocabulary,
     hedges: Mapping[str, Hedge] = HEDGES,
 ) -> RuleBase:
-    """Return rules by number; a rule with ``ELSE`` becomes two.
+    """Return rules with numbers; a rule with ``ELSE`` becomes two.
 
     Parameters
     ----------
     rules : str, or iterable of str and Rule
-        Text with a rule a line, or rules as lines and objects. Empty lines and comments (``#``) are
-        skipped.
+        Text with one rule per line, or rules as lines and objects. Empty lines and comments (``#``)
+        are skipped.
     inputs, outputs : mapping from names to terms
-        The terms of each variable by name; a dictionary from terms to sets will do.
+        The terms of each variable by name, for instance as dictionaries from terms to sets.
     hedges : mapping from words to Hedge
         Hedges by their words in lower case.
 
@@ -249,7 +248,7 @@ def read_rule_base(
 def parse_rules(
     rules: str | Iterable[str | Rule], inputs: Vocabulary, outputs: Vocabulary
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return rules that ask for terms joined by *and* as numbers of terms.
+    """Return rules whose antecedents are conjunctions, as numbers of terms.
 
     Parameters
     ----------
@@ -261,12 +260,14 @@ def parse_rules(
     antecedents : (R, p) array of int
         Number of the term of each input, from 0; -1 for an input that the rule does not mention.
     consequents : (R, m) array of int
-        Number of the term of each output, from 0; -1 for one of which the rule says nothing.
+        Number of the term of each output, from 0; -1 where the rule has no consequent for an
+        output.
 
     Raises
     ------
     InvalidRule
-        If a rule cannot be read, uses an unknown name, or says more than numbers of terms can.
+        If a rule cannot be read, uses an unknown name, or cannot be expressed with numbers of
+        terms.
     InvalidValue
         See :func:`read_rule_base`.
     """
@@ -289,14 +290,14 @@ def parse_rules(
 def make_rules(
     antecedents: ArrayLike, consequents: ArrayLike, inputs: Vocabulary, outputs: Vocabulary
 ) -> list[Rule]:
-    """Return the rule objects of arrays of numbers of terms; the inverse of :func:`parse_rules`.
+    """Return the rule objects for arrays of numbers of terms; the inverse of :func:`parse_rules`.
 
     Parameters
     ----------
     antecedents : (R, p) array_like of int
         Number of the term of each input; -1 for an input that is not used.
     consequents : (R, m) array_like of int
-        Number of the term of each output; -1 for one of which the rule says nothing.
+        Number of the term of each output; -1 where the rule has no consequent for an output.
     inputs, outputs : mapping from names to terms
         The terms of each variable by name.
 
@@ -308,9 +309,9 @@ def make_rules(
     Raises
     ------
     InvalidValue
-        If an array has another shape, or a number is none of a term.
+        If an array has a wrong shape, or a number is not that of a term.
     InvalidRule
-        If a rule uses no input, or says nothing.
+        If a rule has no antecedent or no consequent.
     """
     sides = [
         _named("antecedents", antecedents, _words("inputs", inputs), -1),
@@ -332,7 +333,7 @@ def make_rules(
 def format_rules(
     antecedents: ArrayLike, consequents: ArrayLike, inputs: Vocabulary, outputs: Vocabulary
 ) -> str:
-    """Return rules as text, one a line, which :func:`parse_rules` reads back.
+    """Return rules as text with one rule per line, which :func:`parse_rules` reads back.
 
     For arguments and errors see :func:`make_rules`.
     """
@@ -340,9 +341,9 @@ def format_rules(
 
 
 def nearest_name(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name that is most like the given one, or None.
+    """Return the known name that is most similar to a given one, or None.
 
-    Upper and lower case are alike. None means that none is like it.
+    The case is ignored. The result is None if no known name is similar.
     """
     likeness = {
         candidate: difflib.SequenceMatcher(None, candidate.lower(), name.lower()).ratio()
@@ -353,7 +354,7 @@ def nearest_name(name: str, known: Iterable[str]) -> str | None:
 
 
 def unknown_name(kind: str, name: str, known: Iterable[str]) -> str:
-    """Return in words that a name is unknown, and which known one is most like it."""
+    """Return a message that a name is unknown, with the most similar known name."""
     suggestion = nearest_name(name, known)
     return f"unknown {kind} {name!r}{f'; did you mean {suggestion!r}?' if suggestion else ''}"
 
@@ -366,7 +367,7 @@ def _words(side: str, variables: Vocabulary) -> dict[str, list[str]]:
 
 
 def _simplest(asked: Any) -> Clauses | Antecedent:
-    """Return pairs where they say it all, else the tree."""
+    """Return pairs if they express the tree, otherwise the tree."""
     if isinstance(asked, Is | And | Or | Not | Hedged):
         clauses = clauses_of(asked)
         if clauses is None or any(clause.term is None for clause in clauses):
@@ -376,7 +377,7 @@ def _simplest(asked: Any) -> Clauses | Antecedent:
 
 
 def _pairs(side: str, clauses: Any) -> Clauses:
-    """Return what one side of a rule says as pairs of a variable and its term, both by name."""
+    """Return one side of a rule as pairs of a variable and its term, both by name."""
     requirement = "a mapping from variables to terms, or pairs of these"
     given = clauses.items() if isinstance(clauses, Mapping) else clauses
     pairs = tuple(listed(side, pair, requirement) for pair in listed(side, given, requirement))
@@ -420,7 +421,7 @@ def _term_of(said: Any) -> Any:
 
 
 def quoted(name: str) -> str:
-    """Return a name as it stands in a rule."""
+    """Return a name as it is written in a rule."""
     plain = name and not re.search(r'[\s"()]', name) and not name.startswith("#")
     if plain and name.lower() not in (*KEYWORDS, ANY):
         return name
@@ -440,7 +441,7 @@ def _conclusions(clauses: Conclusions) -> str:
 
 
 def antecedent_in_words(tree: Antecedent, within: str = "or") -> str:
-    """Return a tree in words, in parentheses where it stands within what binds closer."""
+    """Return a tree in words, with parentheses where an operator around it binds tighter."""
     match tree:
         case Is(variable, term):
             return _clause(variable, term)
@@ -460,12 +461,12 @@ def antecedent_in_words(tree: Antecedent, within: str = "or") -> str:
         return f"{quoted(str(inner.variable))} is {' '.join(words)} {term}"
     if isinstance(tree, Not):
         return f"not ({antecedent_in_words(tree.part)})"
-    # Of a hedged group there is no shorter word than the group of its hedged parts.
+    # A hedged group has no shorter form in words than the group of its hedged parts.
     raise InvalidValue("antecedents", tree, "hedges of single terms; a group in words has none")
 
 
 class _Lookup:
-    """Numbers of the names in one rule."""
+    """Looks up the numbers of the names in one rule."""
 
     def __init__(
         self,

@@ -1,7 +1,7 @@
-"""Compiled loops from inputs to points of united sets that are sampled on a grid.
+"""Compiled loops from inputs to outputs of united sets that are sampled on a grid.
 
-Whatever the sets are, the loop knows their grades on the grid of their output.
-:mod:`fuzzy2.systems.outputs` is the face.
+The loops only use the grades of the sets on the grid of their output, so they serve any sets.
+:mod:`fuzzy2.systems.outputs` calls them.
 """
 
 from __future__ import annotations
@@ -32,35 +32,36 @@ from fuzzy2.systems.output_kernels import EXACT, SUMMED, WU_MENDEL, _mean, reduc
 from fuzzy2.systems.union_rows import _as_floats, _most
 
 CERTAIN = 4
-"""Code of the way to the centroid of unions that have one membership function."""
+"""Code of the centroid of unions that have a single membership function."""
 
 
 class Sampled(NamedTuple):
-    """The output sets of a system by their grades on a grid.
+    """The output sets of a system as grades on a grid.
 
     Parameters
     ----------
     table : (k,) ndarray
-        For the firing, see :mod:`fuzzy2.systems.kernels`.
+        Table of the firing, see :mod:`fuzzy2.systems.kernels`.
     points : ndarray
         Ascending points, output by output.
     first_point : (m + 1,) ndarray of int
-        Where those of each output begin.
+        Place where each output begins.
     grades : ndarray
-        Grades of the sets of each output at its points: set by set, of each those of the lower
-        and then of the upper membership function; of type-1 sets once.
+        Grades of the sets of each output at its points, set by set: first of the lower and then of
+        the upper membership function. Type-1 sets have one row of grades.
     first_grade : (m + 1,) ndarray of int
-        Where those of each output begin.
+        Place where each output begins.
     set_of : (m, R) ndarray of int
-        Number, among those of the output, of the set that a rule fires; -1 where it is silent.
+        Number, among the sets of the output, of the set that a rule fires; -1 if it has no
+        consequent for the output.
     defaults : (m,) ndarray
         Outputs where no rule fires; NaN for none.
     codes : (7,) ndarray of int
-        The implication, how sets are united, whether nothing but ratios of the firing matters,
-        whether all sets are of type 1, what is asked of the union, the way to the centroid, and
-        whether the ends of the grid count half.
+        Implication, aggregation, whether only ratios of the firing matter, whether all sets are
+        type-1, which quantity of the union is computed, method of the centroid, and whether the
+        ends of the grid have half weight.
     of_averages : (2,) ndarray
-        Weights of the lower and the upper centroid in that of Begian, Melek and Mendel.
+        Weights of the lower and the upper centroid in the Begian-Melek-Mendel method.
     """
 
     table: Array
@@ -76,7 +77,7 @@ class Sampled(NamedTuple):
 
 @scalar
 def sampled_room_size(system: Sampled) -> int:
-    """Return how much memory ``sample_in`` takes beside ``work_size``."""
+    """Return the size of the scratch space of ``sample_in`` besides ``work_size``."""
     asked, way = system.codes[4], system.codes[5]
     arrays = 1
     if asked == CENTROID:
@@ -86,7 +87,7 @@ def sampled_room_size(system: Sampled) -> int:
 
 @scalar
 def _grade_at(system, j, i, end, weights):
-    """Grade of the lower or upper union of an output at its point i."""
+    """Return the grade of the lower or upper union of an output at its point i."""
     rules = int(system.table[2])
     count = system.first_point[j + 1] - system.first_point[j]
     certain = system.codes[3] == 1
@@ -94,7 +95,7 @@ def _grade_at(system, j, i, end, weights):
     united = 0.0
     for r in range(rules):
         weight = weights[2 * r + end]
-        # What does not fire adds nothing, whatever the t-norm and the t-conorm.
+        # A rule that does not fire adds nothing, whatever the t-norm and the t-conorm.
         if weight > 0.0:
             k = system.set_of[j * rules + r]
             grade = system.grades[start + (count if certain else 2 * count) * k]
@@ -108,7 +109,7 @@ def _grade_at(system, j, i, end, weights):
 
 @scalar
 def _weights_of(system, j, fired, in_logarithms, weights, falling):
-    """Write how high rules leave the sets of an output, lower and upper of each."""
+    """Write the lower and upper weight of each rule for an output, 0 if it has no consequent."""
     rules = int(system.table[2])
     for r in range(rules):
         speaks = system.set_of[j * rules + r] >= 0
@@ -159,14 +160,14 @@ def _centroid_in(system, j, weights, points, low, high, below, above, out, o):
 
 @scalar
 def _bisector(points, grades):
-    """Return the median of points weighted with their grades, some of which is not 0."""
+    """Return the median of points weighted with their grades, at least one of which is not 0."""
     greatest, total = 0.0, 0.0
     for i in range(grades.size):
         greatest = max(greatest, grades[i])
     for i in range(grades.size):
         total += grades[i] / greatest
-    # First point that has half of the weight behind it, and first that has more than half: a gap
-    # between them is halved.
+    # The first point with half of the weight up to it, and the first with more than half. If they
+    # differ, the result is midway between them.
     low, high, running = -1, -1, 0.0
     for i in range(grades.size):
         running += grades[i] / greatest
@@ -179,7 +180,7 @@ def _bisector(points, grades):
 
 @scalar
 def _middle_of_area(points, grades):
-    """Return the mean of the points up to which grades sum up to nearest to half of their sum."""
+    """Return the mean of the points where the running sum of grades is nearest to half."""
     total = 0.0
     for i in range(grades.size):
         total += grades[i]
@@ -197,7 +198,7 @@ def _middle_of_area(points, grades):
 
 @scalar
 def _maximum(asked, points, grades):
-    """Return a point of the greatest grade, which is not 0; see ``operators.MAXIMA``."""
+    """Return a point of greatest grade, which is not 0; see ``operators.MAXIMA``."""
     greatest = 0.0
     for i in range(grades.size):
         greatest = max(greatest, grades[i])
@@ -226,9 +227,9 @@ def _maximum(asked, points, grades):
 def sample_in(
     system: Sampled, x: Array, xo: int, work: Array, room: Array, out: Array, oo: int
 ) -> None:
-    """Write the type-reduced intervals (m, 2) of the finite row at ``xo``, from ``oo`` on.
+    """Write the type-reduced intervals (m, 2) of the finite row at ``xo`` from ``oo`` on.
 
-    ``work`` (``work_size``,) and ``room`` (``sampled_room_size``,) are memory.
+    ``work`` (``work_size``,) and ``room`` (``sampled_room_size``,) are scratch space.
     """
     rules, outputs, asked = int(system.table[2]), int(system.table[3]), system.codes[4]
     grades, fired_low, fired_high, _, _, _, stack = rooms(system.table, work)
@@ -246,7 +247,7 @@ def sample_in(
         if size > 0:
             _weights_of(system, j, fired, in_logarithms, weights, falling)
             if asked == CENTROID:
-                # Rooms that are not asked for are those of others.
+                # Scratch arrays that the method does not need overlap with others.
                 low = most if system.codes[5] == CERTAIN else 2 * most
                 below = 3 * most if system.codes[5] == EXACT else 0
                 above = 4 * most if system.codes[5] == EXACT else 0

@@ -1,7 +1,8 @@
-"""Compiled grades of the shapes that are neither Gaussian nor trapezoidal, and of samples.
+"""Compiled grades of sampled sets, and of shapes that are neither Gaussian nor trapezoidal.
 
-The kinds of a term's table row, its second number, follow those of ``firing_kernels``: 0 a Gaussian
-with an uncertain mean or deviation, 1 a trapezoid, 2 a Gaussian with Gaussian secondary grades.
+The second number of a term's table row is its kind. The kinds continue those of ``firing_kernels``:
+0 is a Gaussian with an uncertain mean or standard deviation, 1 a trapezoid, and 2 a Gaussian with
+Gaussian secondary grades.
 """
 
 from __future__ import annotations
@@ -12,14 +13,14 @@ from fuzzy2.support.compiled import scalar
 
 SAMPLES, PAIR, BELL, SIGMOID, PI_SHAPED, TWO_SIDED, DIFFERENCE, PRODUCT = range(3, 11)
 
-# A Gaussian and a trapezoid whose grades are moved by the row's last number, and kept in [0, 1]:
-# the bounds of an α-plane of a set with Gaussian secondary grades.
+# A Gaussian and a trapezoid whose grades are shifted by the row's last number and limited to [0,
+# 1]. They are the bounds of an α-plane of a set with Gaussian secondary grades.
 MOVED = 11
 
 
 @scalar
 def _trapezoid(x, a, b, c, d):
-    """Grade of x in a trapezoid of height 1."""
+    """Return the grade of x in a trapezoid of height 1."""
     if x < a or x > d:
         return 0.0
     if x < b:
@@ -29,11 +30,11 @@ def _trapezoid(x, a, b, c, d):
 
 @scalar
 def _between(table, start, count, x):
-    """Grade of x by samples: ``count`` points from ``start`` on, then their grades."""
+    """Return the grade of x in samples: ``count`` points from ``start`` on, then their grades."""
     if x < table[start] or x > table[start + count - 1]:
         return 0.0
     low, high = 0, count - 1
-    # The greatest point that is not above x; each turn halves what is left.
+    # Binary search for the greatest point that is not above x.
     while high - low > 1:
         middle = (low + high) // 2
         if table[start + middle] <= x:
@@ -49,20 +50,20 @@ def _between(table, start, count, x):
 
 @scalar
 def _logistic(steps):
-    """1 / (1 + exp(-steps)), without losing digits on either tail."""
+    """Return 1 / (1 + exp(-steps)) without losing digits in either tail."""
     tail = math.exp(-abs(steps))
     return (tail if steps < 0.0 else 1.0) / (1.0 + tail)
 
 
 @scalar
 def _side(distance, sigma):
-    """How far x is out on one side, in standard deviations; an infinite one is a shoulder."""
+    """Return the distance of x beyond one side, in standard deviations; 0 for a shoulder."""
     return 0.0 if sigma == math.inf else max(distance / sigma, 0.0)
 
 
 @scalar
 def _pi_shaped(x, row, o):
-    """Grade of x in a set of smooth shoulders."""
+    """Return the grade of x in a pi-shaped set."""
     share = _trapezoid(x, row[o + 2], row[o + 3], row[o + 4], row[o + 5])
     if share < 0.5:
         return row[o + 6] * (2.0 * share * share)
@@ -71,19 +72,19 @@ def _pi_shaped(x, row, o):
 
 @scalar
 def _two_sigmoids(kind, x, row, o):
-    """Grade of x in the absolute difference, or the product, of two sigmoids."""
+    """Return the grade of x in the absolute difference, or the product, of two sigmoids."""
     first = min(max(row[o + 3] * (x - row[o + 2]), -800.0), 800.0)
     second = min(max(row[o + 5] * (x - row[o + 4]), -800.0), 800.0)
     if kind == PRODUCT:
         return _logistic(first) * _logistic(second)
-    # The difference as a product, which keeps its digits where both sigmoids are near 1.
+    # The difference is written as a product, which keeps its digits where both sigmoids are near 1.
     apart = -math.expm1(-abs(first - second))
     return apart * _logistic(max(first, second)) * _logistic(-min(first, second))
 
 
 @scalar
 def _gaussian_or_trapezoid(kind, row, o, x):
-    """Grade of x in a Gaussian, kind 0, or a trapezoid."""
+    """Return the grade of x in a Gaussian, kind 0, or a trapezoid."""
     if kind == 0:
         t = (x - row[o + 2]) / row[o + 5]
         return row[o + 7] * math.exp(-0.5 * t * t)
@@ -92,7 +93,7 @@ def _gaussian_or_trapezoid(kind, row, o, x):
 
 @scalar
 def grade_of_shape(row, o, x):
-    """Grade of x in the type-1 set whose table row starts at o."""
+    """Return the grade of x in the type-1 set whose table row starts at o."""
     kind = int(row[o + 1])
     if kind <= 1:
         return _gaussian_or_trapezoid(kind, row, o, x)

@@ -1,9 +1,10 @@
-"""How much of an output each rule decides: its share in the average that the output is.
+"""Shares of the rules in an output.
 
-Center of sets and its kin are averages, and the share of a rule is its weight there; the shares
-times what the rules say add up to the output. Of an interval system that is so at both ends, and
-the share is the mean of both. Of united sets the share is that of the area: under a sum what the
-rule's clipped set adds, under a t-conorm where the rule's set is the highest.
+Center of sets and similar type reductions are averages. The share of a rule is its relative weight
+in the average, so the sum of shares times consequents is the output. An interval system has shares
+at both ends, and their mean is returned. For united sets it is the share of the area: under a sum,
+the area of the rule's clipped set, and under a t-conorm, the area where the rule's set is the
+highest.
 """
 
 from __future__ import annotations
@@ -22,13 +23,13 @@ from fuzzy2.systems.operators import DIRECT_METHODS, SUM
 from fuzzy2.systems.terms import domain_of
 
 POINTS = 4001
-"""Points of the output at which the highest set is looked for."""
+"""Number of points of the output at which the highest set is determined."""
 ROUNDING = 1e-13
-"""Distance of a point from an end, relative to the largest, below which they are equal."""
+"""Distance of a point from an end, relative to the largest point, below which they are equal."""
 
 
 def shares_of(system: Explainable, row: Array, logarithms: Array, far: bool) -> Array:
-    """Return the shares (R, m) of the rules; zero in an output for which no rule fires.
+    """Return the shares (R, m) of the rules; 0 in an output for which no rule fires.
 
     Parameters
     ----------
@@ -37,9 +38,9 @@ def shares_of(system: Explainable, row: Array, logarithms: Array, far: bool) -> 
     row : (1, p) array
         The input.
     logarithms : (R, 2) array
-        Logarithms of the firing intervals there.
+        Logarithms of the firing intervals at the input.
     far : bool
-        Whether floats do not hold these.
+        Whether the firing intervals underflow.
     """
     shares = np.zeros((len(logarithms), system.n_outputs))
     for j in range(system.n_outputs):
@@ -79,7 +80,7 @@ def _of_output(
 
 
 def points_of_rules(system: Explainable, row: Array, j: int) -> Array:
-    """Return what the rules say of an output at an input (1, p), as intervals (R, 2)."""
+    """Return the consequents for an output at an input (1, p), as intervals (R, 2)."""
     if isinstance(system.consequents, FunctionsOfInputs):
         return np.asarray(system.consequents.at(row)[0][:, j])
     return system.consequent_intervals[:, j]
@@ -90,8 +91,8 @@ def in_average(
 ) -> Array:
     """Return the shares (R,) of intervals (R, 2) weighted by logarithms, averaged over both ends.
 
-    At an end of the exact interval each weight is the upper or the lower one, by the side of the
-    end on which its point lies.
+    At an end of the exact interval, each weight is the upper or the lower one, depending on the
+    side of the end on which its point lies.
     """
     low, high = logarithms.T
     if method in DIRECT_METHODS and method != "wu_mendel":
@@ -108,7 +109,7 @@ def in_average(
 
 
 def _normalized(logarithms: Array) -> Array:
-    """Return weights by their logarithms, divided by their sum."""
+    """Return weights, given as logarithms, divided by their sum."""
     weights = relative(logarithms)
     return np.asarray(weights / weights.sum())
 
@@ -129,7 +130,7 @@ def _in_union(
         points = np.unique([item.upper.support[0] for item in sets])
         widths = np.ones(len(points))
     else:
-        # Half of each gap to both sides, which is the trapezoid's rule.
+        # Each point takes half of the gap on both sides, as in the trapezoidal rule.
         gaps = np.diff(points)
         widths = 0.5 * (np.append(gaps, 0.0) + np.insert(gaps, 0, 0.0))
     grades = np.array([[item.lower(points), item.upper(points)] for item in sets])

@@ -1,6 +1,6 @@
-"""What the rules say of one output together, on a grid of points.
+"""Union of all consequents of one output, on a grid of points.
 
-:mod:`fuzzy2.systems.united` does the same without a grid.
+:mod:`fuzzy2.systems.united` computes it without a grid.
 """
 
 from __future__ import annotations
@@ -21,24 +21,24 @@ from fuzzy2.systems.operators import MAXIMA
 from fuzzy2.systems.terms import domain_of
 
 _BLOCK, _GRADES = 64, 2**22
-"""Inputs whose united sets are held at a time on a grid, and the most grades of them."""
+"""Greatest number of inputs whose united sets are in memory at a time, and of their grades."""
 
 
 class Summed:
-    """The output sets of all rules on a grid, ready to be united with any firing strengths.
+    """The output sets of all rules on a grid, prepared for any firing strengths.
 
     Parameters
     ----------
     sets : sequence of R sets of type 1 or interval type-2 sets
-        What each rule says.
+        Consequent of each rule.
     implication : TNorm
-        How a rule's firing strength and its output set are combined.
+        T-norm that combines a rule's firing strength with its output set.
     aggregation : TConorm, or None
-        How the rules' sets are united; None adds them up.
+        T-conorm that unites the rules' sets; None adds them up.
     ends : (float, float), optional
-        Range of the output; by default that in which the sets live (``terms.domain_of``).
+        Range of the output; by default the range that the sets cover (``terms.domain_of``).
     integration : {"sum", "trapezoidal", "midpoint", "left"}
-        Where the points are, see :class:`fuzzy2.FuzzySystem`.
+        Placement of the points, see :class:`fuzzy2.FuzzySystem`.
     resolution : int
         Number of points.
     """
@@ -72,7 +72,7 @@ class Summed:
 
     @property
     def halves_ends(self) -> bool:
-        """Whether the first and the last point count half."""
+        """Whether the first and the last point have half weight."""
         return self._integration == "trapezoidal"
 
     @property
@@ -83,11 +83,11 @@ class Summed:
     def reduced(
         self, kind: str, strengths: Array, method: str, shares: tuple[float, float]
     ) -> Array:
-        """Return the type-reduced intervals (n, 2) of unions under firing intervals (n, R, 2)."""
+        """Return the type-reduced intervals (n, 2) of unions for firing intervals (n, R, 2)."""
         reduced = np.empty((len(strengths), 2))
         size = max(1, min(_BLOCK, _GRADES // (len(self._number) * len(self._points))))
         for start in range(0, len(strengths), size):
-            # A block at a time, so that memory stays that of a block however many inputs there are.
+            # Inputs are processed in blocks, so memory does not grow with their number.
             block = slice(start, start + size)
             united = self._united(strengths[block])
             if kind in ("centroid", "center_of_sums"):
@@ -117,12 +117,13 @@ class Summed:
 
 
 def _grid(left: float, right: float, integration: str, count: int) -> Array:
-    """Return the points of an output's range that are summed over."""
+    """Return the grid points over an output's range."""
     step = (right - left) / count
     if integration == "midpoint":
         return np.asarray(left + step * (np.arange(count) + 0.5))
     if integration == "left":
-        # Step by step, for rounding decides whether a set of one point is seen.
+        # Points are accumulated step by step, because rounding decides whether a set of one point
+        # is hit.
         steps: Array = np.full(count, step)
         steps[0] = left
         return np.asarray(np.cumsum(steps))
@@ -130,10 +131,10 @@ def _grid(left: float, right: float, integration: str, count: int) -> Array:
 
 
 def middle_of_area(grid: Array, grades: Array) -> Array:
-    """Return the points (n,) up to which grades (n, N) sum up to nearly half of their sum.
+    """Return the points (n,) up to which grades (n, N) sum up to nearly half of their total.
 
-    Of several that are equally near their mean, as fuzzylite's bisector does; NaN where all grades
-    are 0.
+    If several are equally near, their mean is returned, as fuzzylite's bisector does. It is NaN
+    where all grades are 0.
     """
     areas = np.cumsum(grades, axis=1)
     total = areas[:, -1:]

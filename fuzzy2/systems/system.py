@@ -1,21 +1,23 @@
 r"""Type-1, interval type-2 and general type-2 fuzzy logic systems.
 
-Many inputs, one rule base, many outputs (eq. 1.63–1.83, 1.117–1.124).
+A system has any number of inputs and outputs and one rule base (eq. 1.63–1.83, 1.117–1.124).
 
-A system is inputs (a list of sets per input), rules (which set of each input a rule asks for) and
-consequents. Evaluating it takes three steps: membership grades, firing intervals :math:`[\underline
-f_r, \overline f_r]` of the rules (the meet of the grades of their antecedents, eq. 1.79), and type
-reduction of the consequents weighted with them. The type-reduced set is the answer with its
-uncertainty; its middle is the crisp output. **Where no rule fires there is no answer: NaN, never
-0**; :meth:`validate` says where that is. Gaussians fire everywhere: where strengths underflow, and
-nothing but their ratios matters, they are carried in logarithms, through *or*, *not* and hedges,
-too. Far from all terms of a type-1 system the nearest rule answers; an interval system says there
-what its upper and lower strengths leave open, which is much. NaN then means that the strength is 0
-by its formula: of bounded terms beyond their ends, of tiny grades under Łukasiewicz's, the drastic
-or the nilpotent t-norm; and it remains for your own t-norms and hedges, whose formulas are unknown.
+A system consists of inputs (a list of sets for each input), rules (which select a set of each
+input) and consequents. It is evaluated in three steps: membership grades, firing intervals
+:math:`[\underline f_r, \overline f_r]` of the rules (the meet of the grades of their antecedents,
+eq. 1.79), and type reduction of the consequents, weighted with the firing intervals. The
+type-reduced set is the output with its uncertainty, and its middle is the crisp output. **Where no
+rule fires, the output is NaN, never 0**; :meth:`validate` finds such regions. Gaussians fire
+everywhere. Where firing strengths underflow and only their ratios matter, they are computed as
+logarithms, also through *or*, *not* and hedges. Far from all terms, the output of a type-1 system
+is the consequent of the nearest rule. The type-reduced interval of an interval type-2 system is
+usually wide there, because upper and lower strengths differ greatly. NaN then means that the
+formula of a strength gives 0: beyond the ends of bounded terms, or for tiny grades under the
+Łukasiewicz, the drastic or the nilpotent t-norm. User-defined t-norms and hedges still give NaN
+after an underflow, because their formulas are unknown.
 
-Gaussian, triangular and trapezoidal terms under a t-norm that has a name are evaluated by one
-compiled loop; any other set or t-norm works, too, at NumPy's speed.
+Gaussian, triangular and trapezoidal terms under a named t-norm are evaluated in one compiled loop.
+All other sets and t-norms are evaluated in NumPy, which is slower.
 """
 
 from __future__ import annotations
@@ -110,46 +112,50 @@ class FuzzySystem(Shown):
     inputs : list of lists of sets, or mapping from names to mappings from names to sets
         The terms of every input.
     rules : (R, p) array_like of int, or text or rule objects
-        Number of the term of each input that a rule asks for; -1 where the input plays no part. Or
-        trees of :mod:`fuzzy2.systems.antecedents`. Or rules in words
+        Number of each input's term in each rule; -1 for an input that a rule does not use.
+        Alternatively, trees of :mod:`fuzzy2.systems.antecedents`, or rules in words
         (:mod:`fuzzy2.systems.rules`), ``IF error is not Small or rate is very Large THEN force is
-        Weak``, as text with a rule a line or as :class:`fuzzy2.Rule` objects; then inputs have
-        names, and the consequents are the terms of the outputs by name.
+        Weak``, as text with one rule per line or as :class:`fuzzy2.Rule` objects. With rules in
+        words, inputs must have names, and the consequents are the terms of the outputs by name.
     consequents : (R, m) or (R, m, 2) array_like, Linear, sets, or mapping of mappings
         Numbers, intervals, linear functions of the inputs, or sets: one per rule, or a list per
-        rule with one per output, None where a rule says nothing of an output. For rules in words,
-        what each term of each output means: a number, an interval or a set.
+        rule with one per output, None where a rule has no consequent for an output. For rules in
+        words, the terms of each output by name: numbers, intervals or sets.
     t_norm : str or callable
-        What *and* means in a rule: ``"product"``, ``"min"``, any name of
-        :mod:`fuzzy2.operations.t_norms`, or a function.
+        T-norm of *and*: ``"product"``, ``"min"``, any name in :mod:`fuzzy2.operations.t_norms`, or
+        a function.
     type_reduction : str
-        ``"center_of_sets"``, ``"centroid"``, or any name of :mod:`fuzzy2.systems.operators`, where
-        they are explained. All but center of sets, the default, and the weighted sum need
-        consequents that are sets; ``"bisector"``, the maxima and ``"tsukamoto"`` type-1 systems.
+        ``"center_of_sets"``, ``"centroid"``, or any other name in :mod:`fuzzy2.systems.operators`,
+        which describes them. All except center of sets, the default, and the weighted sum need
+        consequents that are sets. ``"bisector"``, the maxima and ``"tsukamoto"`` need type-1
+        systems.
     method : str
-        Exact method of type reduction, see :func:`fuzzy2.generalized_centroid`; they all give the
-        same. Or an approximate one: ``"nie_tan"``, ``"wu_mendel"`` or ``"begian_melek_mendel"``.
+        Exact method of type reduction, see :func:`fuzzy2.generalized_centroid`; all of them give
+        the same result. Or an approximate method: ``"nie_tan"``, ``"wu_mendel"`` or
+        ``"begian_melek_mendel"``.
     t_conorm : str or callable
-        How the rules' outputs are united; ``"sum"`` adds them up.
+        T-conorm that unites the output sets of the rules; ``"sum"`` adds them up.
     disjunction : str or callable
-        What *or* means in a rule, a t-conorm.
+        T-conorm of *or*.
     implication : str or callable
-        How a rule's firing clips or scales its output set, a t-norm; ``t_norm`` by default.
+        T-norm that clips or scales a rule's output set by its firing; ``t_norm`` by default.
     weights : (R,) array_like, optional
-        What the firing of each rule is multiplied by, in [0, 1].
+        Weights of the rules in [0, 1], which are factors of the firing.
     silent : (R, m) array_like of bool, optional
-        Where a rule says nothing of an output, whatever stands among the consequents there.
+        Where a rule has no consequent for an output; the values of ``consequents`` there are
+        ignored.
     default_outputs : sequence of m numbers, optional
         Outputs where no rule fires, None for NaN.
     shares : (float, float)
         Weights of the lower and the upper average under ``"begian_melek_mendel"``.
     hedges : mapping from words to Hedge or callable, optional
-        Hedges of rules in words beside those of :mod:`fuzzy2.systems.hedges`.
+        Hedges of rules in words, in addition to those of :mod:`fuzzy2.systems.hedges`.
     integration : {"exact", "sum", "trapezoidal", "midpoint", "left"}
-        Whether the centroid of united sets is integrated, to 1e-6 of the output's range or better
-        (:mod:`fuzzy2.systems.united`), or summed up over ``resolution`` points from end to end, as
-        MATLAB does, or over trapezoids between them, as Octave does, or over the middles of so many
-        equal pieces, as fuzzylite does, or over their left ends, as jFuzzyLogic does.
+        How the centroid of united sets is computed. ``"exact"`` integrates it to 1e-6 of the
+        output's range or better (:mod:`fuzzy2.systems.united`). ``"sum"`` adds up ``resolution``
+        points from end to end, as MATLAB does; ``"trapezoidal"`` takes trapezoids between them, as
+        Octave does. ``"midpoint"`` takes the middles of ``resolution`` equal pieces, as fuzzylite
+        does, and ``"left"`` their left ends, as jFuzzyLogic does.
     fuzzifier : Fuzzifier, or one for each input
         How inputs become fuzzy sets, see :mod:`fuzzy2.systems.fuzzifiers`; singleton by default.
     input_names, output_names : sequence of str, optional
@@ -157,25 +163,25 @@ class FuzzySystem(Shown):
     term_names : sequence of sequences of str, optional
         Names of the terms of every input; ``term1, ...`` by default.
     consequent_names : sequence of sequences of str, optional
-        Name of what each rule (R,) says of each output (m,), for files; of rules in words, the
-        names of the terms.
+        Name of the consequent of each rule (R,) for each output (m,), for files. With rules in
+        words they are the names of the terms.
     input_ranges, output_ranges : (p, 2) and (m, 2) array_like, optional
-        Ends of the variables' domains. Those of the outputs are the ends of the output grid, which
-        are otherwise the ends of the consequents; those of the inputs are for files.
+        Ends of the variables' domains. Those of the outputs are the ends of the output grid; by
+        default the grid ends with the consequents. Those of the inputs are for files.
     resolution : int
-        Points of the output grid, unless integration is exact.
+        Number of points of the output grid, unless integration is exact.
     output_terms : sequence of mappings, optional
-        All terms of each output by name, also those that no rule mentions, for files.
+        All terms of each output by name, including those that no rule uses, for files.
 
     Raises
     ------
     InvalidValue
-        If shapes do not go together, a rule asks for a term that is not there, or a set is of a
-        kind the system cannot take.
+        If shapes do not match, if a rule uses a term that does not exist, or if a set is of a kind
+        that the system does not accept.
     UnknownName
         If a t-norm, a type reduction or a method is unknown.
     NotApplicable
-        If a type reduction does not go with the consequents or the kind of system.
+        If a type reduction does not suit the consequents or the kind of system.
     """
 
     _kinds: tuple[type, ...] = ()
@@ -257,7 +263,7 @@ class FuzzySystem(Shown):
         self.weights = checked_weights(weights, count)
         self.default_outputs = checked_defaults(default_outputs, self.n_outputs)
         self.input_names = checked_names("input_names", input_names, len(self.inputs), "x")
-        # Names that nobody gave say nothing of the columns of a data frame.
+        # Default names must not be matched with the columns of a data frame.
         self._named = self.input_names != checked_names("input_names", None, len(self.inputs), "x")
         self.output_names = checked_names("output_names", output_names, self.n_outputs, "y")
         self.term_names = checked_terms(term_names, self.inputs)
@@ -268,12 +274,12 @@ class FuzzySystem(Shown):
         self._fast = self._table is not None and self._is_compiled
         self._outputs = self._prepared_outputs()
         self._reducer = self._compiled_outputs()
-        # Looked up once: a control loop calls a system a thousand times a second.
+        # Looked up once, because a control loop calls a system a thousand times a second.
         self._kernels = _kernels()
         self._evaluate_row = self._kernels.evaluate_row
 
     def _compiled_outputs(self) -> Any:
-        """Return what a compiled loop reduces that is more than center of sets, exactly."""
+        """Return the compiled loop and its tables for outputs other than exact center of sets."""
         if self._fast or self._table is None or self._outputs is None:
             return None
         return tables_of(self._outputs, self._table, self._compiled_defaults())
@@ -287,7 +293,7 @@ class FuzzySystem(Shown):
         kind = self.type_reduction
         if kind not in POINTS and self.consequent_sets is None:
             raise NotApplicable(
-                f"type reduction {kind!r}", "the consequents are no sets; use center_of_sets"
+                f"type reduction {kind!r}", "the consequents are not sets; use center_of_sets"
             )
         if kind in CRISP_ONLY and not isinstance(self, Type1System):
             raise NotApplicable(
@@ -297,12 +303,12 @@ class FuzzySystem(Shown):
 
     @property
     def _is_huge(self) -> bool:
-        """Whether distances of the consequents may leave the range of floats."""
+        """Whether distances between consequents may overflow."""
         return binary_exponent(self.consequent_intervals) > 0
 
     @property
     def _is_compiled(self) -> bool:
-        """Whether the compiled loop does all that this system does."""
+        """Whether the compiled loop can evaluate this system completely."""
         return (
             self.type_reduction == "center_of_sets"
             and self.method not in DIRECT_METHODS
@@ -341,18 +347,18 @@ class FuzzySystem(Shown):
         raise ReadOnly(f"a {type(self).__name__}", name)
 
     def replace(self, **changes: Any) -> Self:
-        """Return a system with other values of some arguments.
+        """Return a system with some arguments replaced.
 
         Parameters
         ----------
         **changes
-            Arguments of the constructor by name. Rules in words take the terms of the outputs from
-            this system, if it has their names, and its weights are not kept.
+            Arguments of the constructor by name. New rules in words use the output terms of this
+            system if it has their names; its weights are not kept then.
 
         Returns
         -------
         FuzzySystem
-            A system of the same kind; all arguments that are not named are as they were.
+            A system of the same kind; all other arguments are unchanged.
 
         Raises
         ------
@@ -379,7 +385,7 @@ class FuzzySystem(Shown):
                 changes.setdefault(name, None)
         kept = {name: getattr(self, name) for name in names if name not in changes}
         with warnings.catch_warnings():
-            # It was said when this one was made.
+            # The warning was already given when this system was made.
             warnings.simplefilter("ignore", ApproximationWarning)
             return type(self)(**kept, **changes)
 
@@ -400,15 +406,15 @@ class FuzzySystem(Shown):
     def __setstate__(self, state: dict[str, Any]) -> None:
         kernels = _kernels()
         self.__dict__.update(state, _kernels=kernels, _evaluate_row=kernels.evaluate_row)
-        # What is read back from a pickle can be written to.
+        # Arrays that are read from a pickle are writable.
         for name in ("rules", "consequents", "consequent_intervals", "weights", "silent"):
             value = state[name]
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
 
     def _compiled_table(self) -> Array | None:
-        """Return the system as one array for the compiled loop, or None if that cannot do it."""
-        # A function of one's own may have the name of one of ours.
+        """Return the system as one array for the compiled loop, or None if it has none."""
+        # A user-defined function may have the name of a known one.
         if self.t_norm != T_NORMS.get(self.t_norm.name) or self.fuzzifiers is not None:
             return None
         rows = TermRows()
@@ -420,7 +426,7 @@ class FuzzySystem(Shown):
         table = table_of(
             [len(terms) for terms in self.inputs],
             None if trees else self.rules,
-            # Of huge ones the table serves for firing only.
+            # If consequents are huge, the table serves for firing only.
             0.0 * self.consequent_intervals if self._is_huge else self.consequent_intervals,
             self.t_norm.name,
             rows.rows,
@@ -440,7 +446,7 @@ class FuzzySystem(Shown):
         return self.default_outputs
 
     def kernel_row(self, term: Any) -> tuple[float, ...] | None:
-        """Return what the compiled loop knows of a term; None if that is not a row of numbers."""
+        """Return the kernel row of a term, or None if the compiled loop cannot evaluate it."""
         row: tuple[float, ...] | None = term.kernel_row()
         return row
 
@@ -448,9 +454,9 @@ class FuzzySystem(Shown):
 
     @property
     def table(self) -> Array | None:
-        """The system as the array that :mod:`fuzzy2.systems.kernels` takes; None if it cannot.
+        """The system as an array for :mod:`fuzzy2.systems.kernels`; None if there is no such array.
 
-        It is a copy.
+        The array is a copy.
         """
         return self._table.copy() if self._is_compiled and self._table is not None else None
 
@@ -463,7 +469,7 @@ class FuzzySystem(Shown):
         )
         if given.shape[-1:] != (len(self.inputs),) or given.ndim == 0:
             raise InvalidValue("X", given.shape, f"of shape (..., {len(self.inputs)})")
-        # What can be written to, because numba would compile every loop anew for what cannot.
+        # Arrays are made writable, because numba would compile every loop again for read-only ones.
         rows = np.require(given, np.float64, ["C", "W"])
         return given.shape[:-1], rows.reshape(-1, len(self.inputs))
 
@@ -478,28 +484,30 @@ class FuzzySystem(Shown):
         Parameters
         ----------
         X : (..., p) array_like, mapping or data frame
-            Inputs; or their values by name, which broadcast.
+            Inputs, or their values by name, which are broadcast.
         **named
-            The same as keywords, ``system(error=0.1, rate=0.0)``.
+            Inputs as keyword arguments instead, ``system(error=0.1, rate=0.0)``.
 
         Returns
         -------
         (..., m) ndarray
-            Outputs; NaN where no rule fires. Of a DataFrame of pandas a DataFrame with its index
-            and the names of the outputs, and of a row of one a Series.
+            Outputs; NaN where no rule fires. For a DataFrame of pandas, a DataFrame with its index
+            and the names of the outputs is returned, and for a row of one a Series.
 
         Raises
         ------
         InvalidValue
-            If the inputs are not finite or of another shape.
+            If the inputs are not finite or have a wrong shape.
         """
-        # Of a masked array, say, the compiled loop would not see the mask.
+        # Subclasses such as masked arrays take the slow path, because the compiled loop would
+        # ignore the mask.
         if self._fast and type(X) is np.ndarray:
             out = np.empty(self.n_outputs)
             try:
                 done = self._evaluate_row(self._table, X, out)
             except TypeError:
-                # Not a contiguous row of floats: many rows, lists and the like go the longer way.
+                # The fast path takes one contiguous row of floats; everything else takes the
+                # general path.
                 done = 0
             if done and not named:
                 return out
@@ -508,14 +516,14 @@ class FuzzySystem(Shown):
         return outputs
 
     def _crisp(self, X: Any) -> Array:
-        """Return the crisp outputs (..., m) of inputs of any make and number."""
+        """Return the crisp outputs (..., m) of any array of inputs."""
         if self._fast:
             return self._evaluate(X, crisp=True)
-        # Half of each: the sum may be no float.
+        # Both ends are halved first, because their sum may overflow.
         return np.asarray((0.5 * self.type_reduced(X)).sum(axis=-1))
 
     def _given(self, X: Any, named: Mapping[str, ArrayLike]) -> Any:
-        """Return the inputs, which come by position or by name."""
+        """Return the inputs, given by position or by name."""
         if named and X is not None:
             raise InvalidValue("X", X, "left out where inputs are given by name")
         return named if X is None and named else X
@@ -531,13 +539,13 @@ class FuzzySystem(Shown):
         Returns
         -------
         (..., m, 2) ndarray
-            Left and right ends; NaN where no rule fires. No confidence intervals: how often they
-            cover the truth is not known.
+            Left and right ends; NaN where no rule fires. They are not confidence intervals: their
+            coverage probability is not known.
 
         Raises
         ------
         InvalidValue
-            If the inputs are not finite or of another shape.
+            If the inputs are not finite or have a wrong shape.
         """
         if self._fast and type(X) is np.ndarray:
             out = np.empty(2 * self.n_outputs)
@@ -565,14 +573,14 @@ class FuzzySystem(Shown):
         return found
 
     def _or_default(self, reduced: Array) -> Array:
-        """Return intervals (n, m, 2) with the default outputs where there is no answer."""
+        """Return intervals (n, m, 2) in which missing outputs are replaced with the defaults."""
         if self.default_outputs is None:
             return reduced
         defaults = self.default_outputs[:, np.newaxis]
         return np.where(np.isnan(reduced), defaults, reduced)
 
     def _reduced(self, rows: Array) -> Array:
-        """Return the type-reduced intervals (n, m, 2), NaN where no rule fires."""
+        """Return the type-reduced intervals (n, m, 2); NaN where no rule fires."""
         strengths = self._firing(rows)
         reduced = self._outputs(rows, strengths)
         far, logarithms = self._lost(rows, strengths)
@@ -581,34 +589,34 @@ class FuzzySystem(Shown):
         return reduced
 
     def _lost(self, rows: Array, strengths: Array) -> tuple[NDArray[np.intp], Array]:
-        """Return where floats do not hold firing intervals (n, R, 2), and their logarithms there.
+        """Return where firing intervals (n, R, 2) underflow, and their logarithms there.
 
-        Only for systems of which nothing but their ratios matters.
+        It is only valid for systems that depend on ratios of firing strengths only.
         """
         far = np.flatnonzero(lost(strengths, self.silent))
         if not (far.size and self._has_logarithms and hangs_on_ratios(self._operators)):
             return far[:0], strengths[:0]
         logarithms = self._log_firing(rows[far])
-        # What is 0 by its formula is not lost.
+        # A strength whose formula gives 0 has not underflowed.
         underflows = (logarithms[..., 1] > -np.inf) & (strengths[far, :, 1] < VANISHED)
         some = underflows.any(axis=1)
         return far[some], logarithms[some]
 
     @property
     def _has_logarithms(self) -> bool:
-        """Whether the t-norm, and the t-conorm where there is any, are known for logarithms."""
+        """Whether t-norm and t-conorm, if any, are known for logarithms."""
         known = self.t_norm == T_NORMS.get(self.t_norm.name)
         either = self.disjunction == T_CONORMS.get(self.disjunction.name)
         return known and (either or not isinstance(self.rules, tuple))
 
     def _log_firing(self, rows: Array) -> Array:
-        """Return the logarithms of the firing intervals (n, R, 2), where these underflow, too."""
+        """Return the logarithms of the firing intervals (n, R, 2), even where these underflow."""
         either = self.disjunction.name if isinstance(self.rules, tuple) else "max"
         norms = log_norms(self.t_norm.name, either)
         return log_firing(self._log_grades(rows), self.rules, self.weights, norms)
 
     def _evaluate(self, X: ArrayLike, crisp: bool) -> Array:
-        """Return outputs or intervals of inputs of any make and number."""
+        """Return outputs or intervals for any array of inputs."""
         shape, rows = self._rows(X)
         results: Array = np.empty(
             (*shape, self.n_outputs) if crisp else (*shape, self.n_outputs, 2)
@@ -636,7 +644,7 @@ class FuzzySystem(Shown):
         Raises
         ------
         InvalidValue
-            If the inputs are not finite or of another shape.
+            If the inputs are not finite or have a wrong shape.
         """
         shape, rows = self._rows(X)
         self._refuse(rows)
@@ -661,18 +669,18 @@ class FuzzySystem(Shown):
         Returns
         -------
         (...,) ndarray
-            Strengths, of a general type-2 system those on the plane of α = 1; 0 where no rule
-            fires, or all of them so little that no float tells.
+            Strengths; for a general type-2 system, those on the plane α = 1. They are 0 where no
+            rule fires or all strengths underflow.
 
         Raises
         ------
         InvalidValue
-            If the inputs are not finite or of another shape.
+            If the inputs are not finite or have a wrong shape.
         """
         return np.asarray(self.firing(X)[..., 1].max(axis=-1))
 
     def _grades(self, rows: Array) -> list[Array]:
-        """Lower and upper grades (n, terms, 2) of every input."""
+        """Return lower and upper grades (n, terms, 2) of every input."""
         if self.fuzzifiers is not None:
             return [
                 np.stack(
@@ -698,7 +706,7 @@ class FuzzySystem(Shown):
         ]
 
     def _log_grades(self, rows: Array) -> list[Array]:
-        """Return the logarithms of :meth:`_grades`, where they underflow, too."""
+        """Return the logarithms of :meth:`_grades`, even where the grades underflow."""
         grades = self._grades(rows)
         if self.fuzzifiers is not None:
             with np.errstate(divide="ignore"):
@@ -722,25 +730,25 @@ class FuzzySystem(Shown):
                 strengths = np.where(
                     (asked >= 0)[:, np.newaxis], self.t_norm(strengths, chosen), strengths
                 )
-        # Rounding, which is not the same for both ends, must not exchange them.
+        # The two ends are rounded differently, which must not swap them.
         np.minimum(strengths[..., 0], strengths[..., 1], out=strengths[..., 0])
         return strengths if self.weights is None else strengths * self.weights[:, np.newaxis]
 
     def gradient(self, X: ArrayLike) -> Array:
-        r"""Return the derivatives of the crisp outputs by the inputs.
+        r"""Return the derivatives of the crisp outputs with respect to the inputs.
 
         They are :math:`\partial y_j / \partial x_i`.
 
-        Analytic (:mod:`fuzzy2.systems.gradients`) for center of sets, height, modified height,
-        their α-planes and the Gaussian corollary, with singleton fuzzifiers and terms that have a
-        ``derivative``, under the continuous t-norms that have a name. All else by sixth-order
-        differences: centroid, center of sums, other t-norms and fuzzifiers, and functional or
-        sampled type-2 sets, Gaussian ones whose spread is a function, and sets of one's own among
-        the terms.
+        The derivatives are analytic (:mod:`fuzzy2.systems.gradients`) for center of sets, height,
+        modified height, their α-planes and the Gaussian corollary, with singleton fuzzifiers, terms
+        that have a ``derivative``, and continuous named t-norms. In all other cases they are
+        sixth-order differences: for centroid, center of sums, other t-norms and fuzzifiers, and if
+        terms are functional or sampled type-2 sets, Gaussian type-2 sets whose spread is a
+        function, or user-defined sets.
 
-        At a kink the analytic derivative is that of the right side, toward greater :math:`x_i`, and
-        a jump of a membership counts for nothing; differences mix both sides within 3/1000 of the
-        terms' range.
+        At a kink the analytic derivative is the right-hand one, toward greater :math:`x_i`, and
+        jumps of memberships are ignored. Differences mix both sides within 3/1000 of the terms'
+        range.
 
         Parameters
         ----------
@@ -755,7 +763,7 @@ class FuzzySystem(Shown):
         Raises
         ------
         InvalidValue
-            If the inputs are not finite or of another shape.
+            If the inputs are not finite or have a wrong shape.
         """
         shape, rows = self._rows(X)
         self._refuse(rows)
@@ -763,7 +771,7 @@ class FuzzySystem(Shown):
 
     @property
     def without_formula(self) -> str | None:
-        """What the system has for which :meth:`gradient` has no formula; None if nothing."""
+        """Part of the system for which :meth:`gradient` has no formula; None if there is none."""
         if self.type_reduction not in ("center_of_sets", "height", "modified_height"):
             return f"type reduction {self.type_reduction!r}"
         if isinstance(self.rules, tuple):
@@ -776,7 +784,7 @@ class FuzzySystem(Shown):
 
     @property
     def planes(self) -> Sequence[tuple[float, Differentiable]]:
-        """Systems that the crisp output is a weighted sum of, with their weights; else none."""
+        """Systems whose weighted sum is the crisp output, with their weights; otherwise empty."""
         return ()
 
     @property
@@ -797,19 +805,19 @@ class FuzzySystem(Shown):
         Returns
         -------
         Explanation
-            Printed, the rules in words, ranked by what they contribute; ``.view()`` draws the
-            inference, a row a rule.
+            The explanation. Printing it shows the rules in words, ranked by their shares;
+            ``.view()`` draws the inference with one row for each rule.
 
         Raises
         ------
         InvalidValue
-            If the input is not finite, of another shape, or more than one.
+            If the input is not finite, has a wrong shape, or is not a single input.
         """
         return explained(self, x)
 
     @property
     def explained_by(self) -> Sequence[tuple[float, FuzzySystem]]:
-        """Type-1 or interval type-2 systems that the output is a weighted sum of, with weights."""
+        """Type-1 or interval type-2 systems, with weights, whose weighted sum is the output."""
         return ((1.0, self),)
 
     def one_row(self, x: ArrayLike) -> Array:
@@ -817,9 +825,9 @@ class FuzzySystem(Shown):
         return self._rows(x)[1]
 
     def log_firing(self, rows: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Return logarithms of firing intervals (n, R, 2), and where (n,) floats do not hold them.
+        """Return the logarithms of firing intervals (n, R, 2), and where (n,) they underflow.
 
-        Only there they are more than the logarithms of :meth:`firing`.
+        Only there they differ from the logarithms of :meth:`firing`.
         """
         strengths = self._firing(rows)
         far, of_far = self._lost(rows, strengths)
@@ -832,7 +840,7 @@ class FuzzySystem(Shown):
         return html_of(self)
 
     def validity(self, X: ArrayLike) -> Array:
-        r"""Return how far the firing strengths are from crisp (eq. 1.88, 1.104).
+        r"""Return the validity measure: how far firing strengths are from crisp (eq. 1.88, 1.104).
 
         It is :math:`\sum \Delta_r / \sum h_r`.
 
@@ -844,13 +852,13 @@ class FuzzySystem(Shown):
         Returns
         -------
         (...,) ndarray
-            0 where all firing is crisp; the thesis's approximate reducers need it small against 1.
-            NaN where no rule fires.
+            The measure, which is 0 where all firing strengths are crisp. The thesis's approximate
+            reducers need it much smaller than 1. NaN where no rule fires.
 
         Raises
         ------
         InvalidValue
-            If the inputs are not finite or of another shape.
+            If the inputs are not finite or have a wrong shape.
         """
         strengths = self.firing(X)
         low, high = strengths[..., 0].sum(axis=-1), strengths[..., 1].sum(axis=-1)
@@ -861,8 +869,8 @@ class FuzzySystem(Shown):
     def domain(self) -> Array:
         """Return the range of each input, (p, 2).
 
-        It goes from the peak of the lowest term to that of the highest. Of an input without terms
-        it is the range that was given.
+        It goes from the peak of the lowest term to that of the highest. For an input without terms
+        it is the given range.
         """
         ranges = self.input_ranges or ((0.0, 0.0),) * len(self.inputs)
         return np.array(
@@ -875,30 +883,29 @@ class FuzzySystem(Shown):
     def validate(
         self, points: int = 15, threshold: float = 1e-3, domain: ArrayLike | None = None
     ) -> Report:
-        """Look for uncovered regions, unused terms and rules that disagree or repeat.
+        """Look for uncovered regions, unused terms, and rules that repeat or contradict each other.
 
-        No rule covers such a region or uses such a term; such rules repeat or contradict each
-        other.
+        No rule fires in an uncovered region, and no rule uses an unused term.
 
         Parameters
         ----------
         points : int
-            Grid points per input; with many inputs a seeded sample of 100 000 points of the grid is
-            looked at.
+            Grid points per input. A grid of more than 100 000 points is replaced with a seeded
+            sample of that size.
         threshold : float
-            A point counts as covered if some rule's upper firing strength is above this.
+            A point is covered if some rule's upper firing strength is above this value.
         domain : (p, 2) array_like, optional
-            Ranges of the inputs to look at; :meth:`domain` by default.
+            Ranges of the inputs to check; :meth:`domain` by default.
 
         Returns
         -------
         Report
-            What was found; ``report.ok`` if nothing.
+            The findings; ``report.ok`` is true if there are none.
 
         Raises
         ------
         InvalidValue
-            If ``points`` is no whole number of at least 2.
+            If ``points`` is not a whole number of at least 2.
         """
         points, least = whole_number("points", points, 2), real("threshold", threshold)
         ranges = self.domain() if domain is None else reals("domain", domain)
@@ -919,7 +926,7 @@ class FuzzySystem(Shown):
         )
 
     def _agree(self, a: int, b: int) -> bool | None:
-        """Return whether two rules say the same; None if they speak of different outputs."""
+        """Return whether two rules have the same consequents; None if their outputs differ."""
         silent = np.zeros((len(self.rules), self.n_outputs), bool)
         if self.silent is not None:
             silent = self.silent
@@ -930,7 +937,7 @@ class FuzzySystem(Shown):
         return True if np.array_equal(silent[a], silent[b]) else None
 
     def _same(self, a: int, b: int, j: int) -> bool:
-        """Return whether two rules say the same of an output."""
+        """Return whether two rules have the same consequent for an output."""
         if self.consequent_sets is not None:
             return bool(self.consequent_sets[a][j] == self.consequent_sets[b][j])
         if isinstance(self.consequents, FunctionsOfInputs):
@@ -940,22 +947,22 @@ class FuzzySystem(Shown):
     def embedded_outputs(
         self, x: ArrayLike, count: int = 1000, rng: np.random.Generator | None = None
     ) -> Iterator[Array]:
-        """Yield outputs of type-1 systems that the system contains (Fig. 7).
+        """Yield outputs of type-1 systems that are embedded in the system (Fig. 7).
 
-        A type-2 system is many type-1 systems at once.
+        A type-2 system can be viewed as a collection of type-1 systems.
 
-        Each takes one number from the firing interval of every rule and one from every consequent:
-        first the two extreme choices of all switch points of the first output, then random ones.
-        All outputs lie in the type-reduced interval.
+        Each of them takes one number from the firing interval of every rule and one from every
+        consequent. The first ones belong to all switch points of the first output, with the upper
+        weights on either side; random choices follow. All outputs lie in the type-reduced interval.
 
         Parameters
         ----------
         x : (p,) array_like
             One input.
         count : int
-            How many random type-1 systems.
+            Number of random type-1 systems.
         rng : numpy.random.Generator, optional
-            Where the random choices come from; seeded with 0 by default.
+            Source of the random choices; seeded with 0 by default.
 
         Yields
         ------
@@ -967,7 +974,7 @@ class FuzzySystem(Shown):
         if shape or self.type_reduction != "center_of_sets" or self.silent is not None:
             raise NotApplicable(
                 "embedded_outputs",
-                "it takes one input of a center-of-sets system whose rules speak of every output",
+                "it needs one input, center of sets and rules with a consequent for every output",
             )
         strengths = self._firing(rows)[0]
         intervals = (
@@ -986,12 +993,13 @@ class FuzzySystem(Shown):
 class Type1System(FuzzySystem):
     """Type-1 fuzzy logic system.
 
-    Its output is crisp, and its type-reduced interval a point unless its consequents are intervals.
+    Its output is crisp, and its type-reduced interval is a point unless its consequents are
+    intervals.
 
     Parameters
     ----------
     inputs, rules, consequents, t_norm, type_reduction, method
-        See :class:`FuzzySystem`; all sets of type 1.
+        See :class:`FuzzySystem`; all sets are type-1 sets.
     """
 
     _kinds = (Type1Set,)
@@ -999,12 +1007,12 @@ class Type1System(FuzzySystem):
 
 
 class IntervalType2System(FuzzySystem):
-    """Interval type-2 fuzzy logic system: terms of type 1 and interval type-2 terms mix freely.
+    """Interval type-2 fuzzy logic system, which may mix type-1 and interval type-2 terms.
 
     Parameters
     ----------
     inputs, rules, consequents, t_norm, type_reduction, method
-        See :class:`FuzzySystem`; sets of type 1 or interval type-2 sets.
+        See :class:`FuzzySystem`; all sets are type-1 or interval type-2 sets.
     """
 
     _kinds = (Type1Set, IntervalType2Set)
@@ -1012,7 +1020,7 @@ class IntervalType2System(FuzzySystem):
 
 
 def _kernels() -> Any:
-    """Return the compiled loops; numba is loaded with the first system."""
+    """Return the compiled loops, which load numba when the first system is made."""
     from fuzzy2.support.compiled import only_for
     from fuzzy2.systems import kernels
     from fuzzy2.systems.firing_kernels import HEADER

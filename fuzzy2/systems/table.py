@@ -1,4 +1,4 @@
-"""A system as one array, for the compiled loops."""
+"""A system as one array for the compiled loops."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from fuzzy2.support.checks import Array
 from fuzzy2.systems.antecedents import Antecedent, depth_of, program_of
 
 NORMS = ("min", "product", "lukasiewicz", "drastic", "nilpotent", "hamacher", "einstein")
-"""T-norms that the compiled loop knows for *and*, by their codes."""
+"""T-norms that the compiled loop supports for *and*, in the order of their codes."""
 CONORMS = ("max", "probabilistic", "lukasiewicz", "drastic", "nilpotent", "hamacher", "einstein")
-"""T-conorms that the compiled loop knows for *or*, by their codes."""
+"""T-conorms that the compiled loop supports for *or*, in the order of their codes."""
 
 
 class Supplement(NamedTuple):
-    """What a system has beyond rules that are numbers of terms.
+    """The part of a system that goes beyond rules given as numbers of terms.
 
     Parameters
     ----------
     trees : tuple of R antecedents, or None
-        What the rules ask for, where that is more than a conjunction.
+        Antecedents of the rules, if one of them is not a plain conjunction.
     conorm : str, or None
-        What *or* means; None for what has no code.
+        T-conorm of *or*; None if it has no code.
     weights : (R,) ndarray, or None
-        What the firing of the rules is multiplied by.
+        Weights of the rules.
     silent : (R, m) ndarray of bool, or None
-        Where a rule says nothing of an output.
+        Where a rule has no consequent for an output.
     defaults : (m,) ndarray, or None
         Outputs where no rule fires; NaN for none.
     """
@@ -56,7 +56,7 @@ def table_of(
     counts : sequence of int
         Number of terms of every input.
     rules : (R, p) ndarray, or None
-        Number of the term of each input that a rule asks for, or -1; None where rules are trees.
+        Number of each input's term in each rule, or -1; None if rules are trees.
     intervals : (R, m, 2) ndarray
         The consequents.
     norm : str
@@ -64,12 +64,12 @@ def table_of(
     rows : list of tuples
         Number of the input and kernel row of each term.
     supplement : Supplement
-        What the system has beyond that.
+        The part of the system beyond that.
 
     Returns
     -------
     (k,) ndarray, or None
-        The table; None if the compiled loop cannot do it.
+        The table; None if the compiled loop cannot evaluate the system.
     """
     count, outputs = intervals.shape[:2]
     offsets = np.cumsum([0, *counts[:-1]])
@@ -106,7 +106,8 @@ def table_of(
         ]
     ).astype(float)
     if all(part is None for part in (supplement.trees, *supplement[2:])):
-        # Rules that share most of their terms, as on a grid, have more ends than there are terms.
+        # Adding exponents only pays if there are more terms than rules. On a grid, rules share most
+        # of their terms, and there are fewer.
         if norm == "product" and len(rows) > count:
             table[6] = exponents_of(rows)
         return table
@@ -118,9 +119,10 @@ def table_of(
 
 
 def exponents_of(rows: list[tuple[float, ...]]) -> float:
-    """Return how exponents of terms are added, as kernels read it.
+    """Return the code of how exponents of terms are added up.
 
-    0 if a term is no Gaussian, 1 if all are, and type-1, else 2.
+    It is 0 if some term is not Gaussian, 1 if all terms are type-1 Gaussians, and 2 if all are
+    Gaussian but not all type-1.
     """
     _, kinds, low_mean, high_mean, low_sigma, high_sigma, low, high, *_ = np.transpose(rows)
     if (kinds != 0.0).any():
@@ -134,10 +136,10 @@ def supplement_of(
 ) -> Array | None:
     """Return the supplement as the array that follows a table of ``start`` numbers.
 
-    It is (t-conorm code, whether rules are trees, whether a rule is silent or an output has a
-    default, deepest stack), R weights, R rows of m: whether a rule is silent, m defaults or NaN,
-    R + 1 places where the steps of the rules begin, and the steps; None if a part cannot be
-    compiled.
+    It begins with four numbers: code of the t-conorm, whether rules are trees, whether a rule has
+    no consequent for an output or an output has a default, and deepest stack. Then follow R
+    weights, R rows of m (whether a rule has no consequent), m defaults or NaN, R + 1 places where
+    the steps of the rules begin, and the steps. It is None if a part cannot be compiled.
     """
     trees, conorm, weights, silent, defaults = supplement
     steps: list[list[float]] = []

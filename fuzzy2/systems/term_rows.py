@@ -1,4 +1,4 @@
-"""Terms of a system as rows of numbers, and what does not fit into a row."""
+"""Terms of a system as rows of numbers, and the data that does not fit into a row."""
 
 from __future__ import annotations
 
@@ -14,21 +14,22 @@ from fuzzy2.systems.shape_kernels import PAIR, SAMPLES
 
 
 class TermRows:
-    """Rows of the terms of a system, in order, as its table begins with them.
+    """Rows of the terms of a system, in order; the table of the system begins with them.
 
-    Samples, and the two membership functions of a pair, stand behind all else of the table; a row
-    says where, see :mod:`fuzzy2.systems.shape_kernels`.
+    Samples, and the two membership functions of a pair, are appended at the end of the table. A row
+    holds their places, see :mod:`fuzzy2.systems.shape_kernels`.
     """
 
     def __init__(self) -> None:
         self.rows: list[tuple[float, ...]] = []
         self._behind: list[float] = []
-        # Numbers that count from where what stands behind begins: in rows, and behind.
+        # Places that are relative to the beginning of the appended data, in rows and in the
+        # appended data.
         self._in_rows: list[tuple[int, int]] = []
         self._in_behind: list[int] = []
 
     def add(self, number: int, term: Any, row: tuple[float, ...] | None) -> bool:
-        """Add a term of an input, whose kernel row may be known; return whether there is a row."""
+        """Add a term of an input with its kernel row, if known; return whether there is a row."""
         if row is None and isinstance(term, SampledSet):
             row = self._sampled(term)
             self._in_rows.append((len(self.rows), 2))
@@ -49,7 +50,7 @@ class TermRows:
         return (float(SAMPLES), float(start), float(len(item)), *[0.0] * 6)
 
     def _function(self, item: Any) -> int | None:
-        """Put a membership function behind, and return where it is; None if it has no row."""
+        """Append a membership function and return its place; None if it has no row."""
         row = item.kernel_row()
         refers = row is None and isinstance(item, SampledSet)
         if refers:
@@ -63,7 +64,7 @@ class TermRows:
         return place
 
     def appended(self, table: Array) -> Array:
-        """Return a table that begins with these rows, with what stands behind."""
+        """Return a table that begins with these rows, followed by the appended data."""
         if not self._behind:
             return table
         behind = np.array(self._behind)

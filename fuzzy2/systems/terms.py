@@ -1,4 +1,4 @@
-"""What systems need of a term: its peak and its support."""
+"""Properties of terms that systems need: peak, range and spread."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ AnySet = Type1Set | IntervalType2Set | GeneralType2Set
 
 
 def highest_point(item: Any) -> float:
-    """Middle of the points of greatest membership.
+    """Return the middle of the points of greatest membership.
 
-    Of the principal membership for general type-2 and the upper one for interval sets.
+    It is that of the principal membership for general type-2 sets, and of the upper one for
+    interval type-2 sets.
     """
     if isinstance(item, GeneralType2Set):
         item = item.principal
@@ -26,8 +27,8 @@ def highest_point(item: Any) -> float:
         item = item.upper
     maxima = item.maxima
     if maxima is None:
-        # A sigmoid never reaches its height; four times the width of its slope behind its center it
-        # is at 0.98 of it.
+        # A sigmoid never reaches its height. Four times the width of its slope beyond its center it
+        # reaches 0.98.
         points = item.landmarks
         near = points[item(points) > 0.95 * item.height]
         return float(near[np.argmin(item(near))])
@@ -35,19 +36,19 @@ def highest_point(item: Any) -> float:
 
 
 def range_of(terms: Sequence[Any]) -> tuple[float, float]:
-    """Range from the lowest to the highest peak of the terms of an input.
+    """Return the range from the lowest to the highest peak of the terms of an input.
 
-    That of the domain if they have one peak.
+    If all terms have the same peak, it is their domain.
     """
     peaks = [highest_point(term) for term in terms]
     return (min(peaks), max(peaks)) if max(peaks) > min(peaks) else domain_of(terms)
 
 
 def domain_of(terms: Sequence[Any]) -> tuple[float, float]:
-    """Range on which sets live.
+    """Return the range that sets cover.
 
-    Either end is that of the support if it is finite, else the outermost landmark above exp(-12.5),
-    of a Gaussian 4 sigma away.
+    Each end is that of the support if it is finite, and otherwise the outermost landmark with a
+    grade above exp(-12.5), which is 4 sigma away for a Gaussian.
     """
     left, right = np.inf, -np.inf
     for item in terms:
@@ -57,7 +58,7 @@ def domain_of(terms: Sequence[Any]) -> tuple[float, float]:
             points = item.landmarks
             grades = upper(points)
             inside = points[grades > np.exp(-12.5) * grades.max()]
-            # An end that is finite is one, though the grade is 0 there.
+            # A finite end of the support is used although the grade there is 0.
             ends = (
                 ends[0] if np.isfinite(ends[0]) else float(inside.min()),
                 ends[1] if np.isfinite(ends[1]) else float(inside.max()),
@@ -67,9 +68,9 @@ def domain_of(terms: Sequence[Any]) -> tuple[float, float]:
 
 
 def spread(item: Any) -> float:
-    """Width of a consequent, for the modified height reducer.
+    """Return the width of a consequent, for the modified height reducer.
 
-    Half of its cut at exp(-1/2), a Gaussian's standard deviation.
+    It is half of the cut at exp(-1/2), which is the standard deviation of a Gaussian.
     """
     upper = item.principal if isinstance(item, GeneralType2Set) else item.upper
     left, right = upper.alpha_cut(np.exp(-0.5) * upper.height)

@@ -1,6 +1,7 @@
-"""Compiled loops from inputs to centroids of united sets, each output with a union of its own.
+"""Compiled loops from inputs to centroids of united sets, with one union for each output.
 
-:mod:`fuzzy2.systems.united_kernels` integrates them, :mod:`fuzzy2.systems.outputs` is the face.
+:mod:`fuzzy2.systems.united_kernels` integrates the unions, and :mod:`fuzzy2.systems.outputs` calls
+these loops.
 """
 
 from __future__ import annotations
@@ -31,34 +32,35 @@ EXACT, NIE_TAN, BEGIAN_MELEK_MENDEL = 0, 1, 3
 
 
 class Unions(NamedTuple):
-    """The output sets of a system that are united and integrated.
+    """The output sets of a system, for unions that are integrated.
 
     Parameters
     ----------
     table : (k,) ndarray
-        For the firing, see :mod:`fuzzy2.systems.kernels`.
+        Table of the firing, see :mod:`fuzzy2.systems.kernels`.
     rows : ndarray
         Two rows of TERM numbers for each set, output by output.
     first_set : (m + 1,) ndarray of int
-        Where the sets of each output begin.
+        Place where the sets of each output begin.
     kinks : ndarray
         Ascending points between which the sets of an output are smooth, output by output.
     first_kink : (m + 1,) ndarray of int
-        Where those of each output begin.
+        Place where the kinks of each output begin.
     set_of : (m, R) ndarray of int
-        Number, among those of the output, of the set that a rule fires; -1 where it is silent.
+        Number, among the sets of the output, of the set that a rule fires; -1 if it has no
+        consequent for the output.
     defaults : (m,) ndarray
         Outputs where no rule fires; NaN for none.
     codes : (6,) ndarray of int
-        Whether firing and set are multiplied, whether sets are added up, whether nothing but ratios
-        of the firing matters, whether all sets are of type 1, the way to the centroid, and what is
-        asked of the union, a code of :mod:`fuzzy2.systems.crisp_unions`.
+        Whether firing and set are multiplied, whether sets are added up, whether only ratios of the
+        firing matter, whether all sets are type-1, method of the centroid, and code of the quantity
+        that is computed, see :mod:`fuzzy2.systems.crisp_unions`.
     of_averages : (2,) ndarray
-        Weights of the lower and the upper centroid in that of Begian, Melek and Mendel.
+        Weights of the lower and the upper centroid in the Begian-Melek-Mendel method.
     gauss : (2 n,) ndarray
-        Nodes and weights of the rule of integration on [-1, 1].
+        Nodes and weights of the quadrature rule on [-1, 1].
     tolerance : float
-        Share of the area by which two rules may differ.
+        Share of the area by which two quadrature rules may differ.
     """
 
     table: Array
@@ -76,14 +78,14 @@ class Unions(NamedTuple):
 
 @scalar
 def _pieces(system: Unions) -> int:
-    """Return for how many pieces of a union there is room; a type-1 union is one."""
+    """Return how many pieces of a union fit into memory; a type-1 union is one piece."""
     certain = system.codes[3] == 1 and system.codes[4] == EXACT and _is_type_1(system.table)
     return 1 if certain else USUAL_PIECES
 
 
 @scalar
 def _is_type_1(table):
-    """Return whether all terms of the inputs have one grade."""
+    """Return whether all terms of the inputs have equal lower and upper grades."""
     for t in range(int(table[1])):
         o = 7 + TERM * t
         alike = table[o + 2] == table[o + 3] and table[o + 4] == table[o + 5]
@@ -108,7 +110,7 @@ def _most(first):
 
 @scalar
 def room_size(system: Unions) -> int:
-    """Return how much memory ``unite_in`` takes beside ``work_size``."""
+    """Return the size of the scratch space of ``unite_in`` besides ``work_size``."""
     sets, rules = _most(system.first_set), int(system.table[2])
     kinks, pieces = _most(system.first_kink), _pieces(system)
     return int(ROOM + 4 * rules + 6 * sets + kinks + 6 * pieces)
@@ -116,9 +118,9 @@ def room_size(system: Unions) -> int:
 
 @scalar
 def _as_floats(logarithms, falling):
-    """Make weights of logarithms, see :func:`fuzzy2.reduction.logarithms.as_floats`.
+    """Convert logarithms to weights, see :func:`fuzzy2.reduction.logarithms.as_floats`.
 
-    ``falling`` is room for as many numbers.
+    ``falling`` is scratch space of the same size.
     """
     for i in range(logarithms.size):
         k = i
@@ -128,7 +130,7 @@ def _as_floats(logarithms, falling):
         falling[k] = logarithms[i]
     for i in range(logarithms.size):
         own, depth, k = logarithms[i], 0.0, 0
-        # Gaps that no rounding sees are narrowed.
+        # Gaps between logarithms that exceed the precision of floats are narrowed.
         while k + 1 < falling.size and falling[k] > own:
             depth += min(falling[k] - falling[k + 1], STEP)
             k += 1
@@ -137,7 +139,7 @@ def _as_floats(logarithms, falling):
 
 @scalar
 def _set_weights(system, j, fired, in_logarithms, firing, falling, weights):
-    """Write how high each set of an output is left, lower then upper; return the highest."""
+    """Write the greatest lower and upper firing of each set of an output; return the greatest."""
     rules = int(system.table[2])
     sets = weights.size // 2
     count = 0
@@ -162,7 +164,7 @@ def _set_weights(system, j, fired, in_logarithms, firing, falling, weights):
 
 @scalar
 def _directly(system, sums, pieces, origin):
-    """Return the centroid of both memberships' mean, or the mean of their centroids."""
+    """Return the centroid of the memberships' mean, or the mean of their centroids."""
     low, low_moment, high, high_moment = 0.0, 0.0, 0.0, 0.0
     for p in range(pieces):
         low += sums[4 * p]
@@ -180,7 +182,7 @@ def _directly(system, sums, pieces, origin):
 
 @scalar
 def _one_union(system, rows, kinks, weights, crisp, nodes, edges, sums, room, out, o):
-    """Write the centroid of a union; return whether there was room for its pieces."""
+    """Write the centroid of a union; return whether the memory for its pieces was sufficient."""
     sets, product, total = weights.size // 2, system.codes[0] == 1, system.codes[1] == 1
     if system.codes[5] == BISECTOR:
         out[o] = out[o + 1] = bisector_of_union(
@@ -213,10 +215,10 @@ def _one_union(system, rows, kinks, weights, crisp, nodes, edges, sums, room, ou
 def unite_in(
     system: Unions, x: Array, xo: int, work: Array, room: Array, out: Array, oo: int
 ) -> bool:
-    """Write the type-reduced intervals (m, 2) of the finite row at ``xo``, from ``oo`` on.
+    """Write the type-reduced intervals (m, 2) of the finite row at ``xo`` from ``oo`` on.
 
-    ``work`` (``work_size``,) and ``room`` (``room_size``,) are memory. Return whether there was
-    room for all pieces.
+    ``work`` (``work_size``,) and ``room`` (``room_size``,) are scratch space. Return whether it was
+    sufficient for all pieces.
     """
     rules, outputs, most = int(system.table[2]), int(system.table[3]), _pieces(system)
     grades, low, high, _, _, _, stack = rooms(system.table, work)
@@ -268,8 +270,8 @@ def unite_in(
 def unions(system: Unions, x: Array, out: Array, refused: NDArray[np.bool_]) -> int:
     """Write the type-reduced intervals (rows, m, 2) of finite flat inputs.
 
-    Return for how many rows a union needs more pieces than there is room for; ``refused`` (rows,)
-    says which.
+    Return the number of rows for which a union needs more pieces than fit into memory; ``refused``
+    (rows,) marks them.
     """
     inputs, outputs = int(system.table[0]), int(system.table[3])
     work, room = np.empty(work_size(system.table)), np.empty(room_size(system))

@@ -1,22 +1,23 @@
-r"""Centroid of what the rules say of one output together, without a grid.
+r"""Centroid of the union of all consequents of one output, without a grid.
 
-Each rule clips or scales its output set by its firing strength, and the sets are united or summed
-up. The centroid of the result is integrated between nodes: the kinks of all sets, and the points
-where the implication clips them. Between two nodes Lobatto's rule and the same rule on both halves
-must agree, else the piece is halved; so no set is too narrow to be seen, and pieces that are linear
-are exact at once.
+Each rule clips or scales its output set by its firing strength, and the sets are united or added
+up. The centroid of the result is integrated between nodes, which are the kinks of all sets and the
+points where the implication clips them. Between two nodes, Lobatto's rule must agree with the same
+rule on both halves; otherwise the piece is halved. So no set is too narrow to be found, and linear
+pieces are exact at once.
 
-An interval type-2 union has the centroid :math:`[c_l, c_r]` of eq. 1.70, where :math:`c_l` is the
-only zero of
+The centroid of an interval type-2 union is the interval :math:`[c_l, c_r]` of eq. 1.70, where
+:math:`c_l` is the only zero of
 
 .. math:: F(c) = \int_{-\infty}^{c} (c - x)\,\overline\mu(x)\,dx
           - \int_{c}^{\infty} (x - c)\,\underline\mu(x)\,dx,
 
-which rises and is convex, so that Newton's iteration from the right cannot miss it; :math:`c_r` is
-the same of the mirrored union.
+which increases and is convex, so Newton's iteration from the right always finds it. :math:`c_r` is
+found in the same way from the mirrored union.
 
-Sets that are single points have no area. A union of nothing else is the average of the points,
-weighted with the grades at which the rules leave them; a union of points and areas is refused.
+Sets that are single points have no area. The centroid of a union of points is their average,
+weighted with their grades after the implication. A union of points and sets with an area is
+refused.
 """
 
 from __future__ import annotations
@@ -39,8 +40,9 @@ from fuzzy2.systems.averages import averaged
 from fuzzy2.systems.maxima import maximum
 from fuzzy2.systems.terms import domain_of
 
-# Lobatto's rule of seven points, exact to degree 11. It looks at the ends of a piece, where a kink
-# beside an end shows that Gauss's points would miss; from just within, for sets may jump there.
+# Lobatto's rule with seven points, exact to degree 11. It evaluates the ends of a piece, so it
+# detects a kink near an end that Gauss's points would miss. The ends are evaluated just inside,
+# because sets may jump there.
 _ROOTS = np.polynomial.legendre.Legendre.basis(6).deriv().roots()
 _ALL = np.concatenate([[-1.0], _ROOTS.real, [1.0]])
 NODES = (1.0 - 1e-11) * _ALL
@@ -52,15 +54,16 @@ piece for interval type-2 ones, whose centroid may end on a tail."""
 NEGLIGIBLE = 1e-280
 """Area below which grades are too small for a relative error."""
 MOST_ROUGH = 1000
-"""Pieces of an input that are halved at a time."""
+"""Greatest number of pieces of an input that are halved at a time."""
 DEEPEST = 48
-"""Halvings of a piece; then it is about as narrow as the distance between two floats."""
+"""Greatest number of halvings, after which a piece is as narrow as the distance between two
+floats."""
 ITERATIONS = 100
-"""Steps of Newton's iteration, of which five are usual."""
-_BETWEEN = 16  # points between two nodes at which maxima are looked for
+"""Greatest number of Newton steps; about five are usual."""
+_BETWEEN = 16  # points between two nodes at which maxima are searched
 _HALVINGS = 60
 BLOCK = 256
-"""Inputs that are integrated at a time."""
+"""Number of inputs that are integrated at a time."""
 
 _Membership = Callable[[NDArray[np.intp], Array], Array]
 
@@ -68,8 +71,8 @@ _Membership = Callable[[NDArray[np.intp], Array], Array]
 class _Pieces(NamedTuple):
     """Pieces of a block of unions, in the order of rows and points.
 
-    ``areas`` and ``moments`` (P, 2) are those of the lower and the upper membership function; the
-    moments are about the union's origin.
+    ``areas`` and ``moments`` (P, 2) belong to the lower and the upper membership function. Moments
+    are taken about the union's origin.
     """
 
     rows: NDArray[np.intp]
@@ -80,27 +83,27 @@ class _Pieces(NamedTuple):
 
 
 class United:
-    """The output sets of all rules, ready to be united with any firing strengths.
+    """The output sets of all rules, prepared for unions with any firing strengths.
 
     Parameters
     ----------
     sets : sequence of R sets of type 1 or interval type-2 sets
-        What each rule says.
+        Consequent of each rule.
     implication : TNorm
-        How a rule's firing strength and its output set are combined.
+        T-norm that combines a rule's firing strength with its output set.
     aggregation : TConorm, or None
-        How the rules' sets are united; None adds them up.
+        T-conorm that unites the rules' sets; None adds them up.
     ends : (float, float), optional
-        Range of the output, outside of which sets count for nothing; by default from the least to
-        the greatest point where the sets live (``terms.domain_of``): their supports, or of
-        unbounded ones the part above exp(-12.5).
+        Range of the output, outside which sets are ignored. By default it is the range that the
+        sets cover (``terms.domain_of``): their supports, or for unbounded sets the part above
+        exp(-12.5).
 
     Raises
     ------
     NotApplicable
         If some of the sets are single points, and others are not.
     InvalidValue
-        If a set lies outside of the range.
+        If a set lies outside the range.
     """
 
     def __init__(
@@ -118,7 +121,7 @@ class United:
                 distinct.append(item)
         self._number = np.array([distinct.index(item) for item in sets])
         self._first = np.array([sets.index(item) for item in distinct])
-        # By the maximum of equal sets only the one that is left highest matters.
+        # Under the maximum, only the largest firing of equal sets matters.
         self._by_set = aggregation is not None and aggregation.name == "max"
         self._sets = distinct if self._by_set else list(sets)
         upper = [item.upper for item in self._sets]
@@ -147,7 +150,7 @@ class United:
 
     @property
     def compiled_sets(self) -> tuple[Array, NDArray[np.int64], Array] | None:
-        """Rows of the sets, the set of each rule, and kinks; None if no kernel knows them."""
+        """Rows of the sets, the set of each rule, and kinks; None if a set has no row."""
         if self.of_points or self._rows is None:
             return None
         numbers = self._number if self._by_set else np.arange(len(self._sets))
@@ -155,7 +158,7 @@ class United:
 
     @property
     def sampled(self) -> tuple[Array, Array, NDArray[np.int64]] | None:
-        """Single points (P,), grades of sets there (K, 2, P), set of each rule; None of areas."""
+        """Single points (P,), grades of sets there (K, 2, P), set of each rule; None for areas."""
         if not self.of_points:
             return None
         at_own = self._group[:, np.newaxis] == np.arange(len(self._places))
@@ -172,7 +175,7 @@ class United:
                 )
 
     def _kernel_rows(self) -> Array | None:
-        """Return the sets as rows for the compiled loop, or None if that cannot do it."""
+        """Return the sets as rows for the compiled loop, or None if a set has no row."""
         summed = self._aggregation is None
         if self._implication.name not in ("min", "product") or not (summed or self._by_set):
             return None
@@ -186,14 +189,14 @@ class United:
         return np.array(rows, dtype=float).ravel()
 
     def _kinks(self, ends: tuple[float, float] | None) -> Array:
-        """Return the ascending points between which all sets are smooth, from end to end."""
+        """Return the ascending points, including both ends, between which all sets are smooth."""
         kinks = merged(*(self._own_kinks(item) for item in self._sets))
         left, right = domain_of(self._sets) if ends is None else ends
         return merged(kinks[(kinks > left) & (kinks < right)], (left, right))
 
     @staticmethod
     def _own_kinks(item: Any) -> Array:
-        """Return the kinks of a set, and where it is: of Gaussians few points, for speed."""
+        """Return the kinks of a set and points that locate it; few for Gaussians, for speed."""
         row = item.kernel_row()
         if row is None or row[0] != 0:
             return np.asarray(item.landmarks)
@@ -201,7 +204,7 @@ class United:
         return merged(means, means.mean(), *(means + s * sigma for s in (-8, -2.5, 2.5, 8)))
 
     def _by_set_strengths(self, strengths: Array) -> Array:
-        """Return the firing (n, K, 2) of the sets that are united, from that of the rules."""
+        """Return the firing (n, K, 2) of the different sets, from the firing of the rules."""
         if not self._by_set:
             return strengths
         highest = np.zeros((len(strengths), len(self._sets), 2))
@@ -210,7 +213,7 @@ class United:
         return highest
 
     def average(self, strengths: Array, method: str, shares: tuple[float, float]) -> Array:
-        """Return the outputs (n, 2), both ends alike, by a direct method.
+        """Return the outputs (n, 2), with both ends equal, by a direct method.
 
         Parameters
         ----------
@@ -274,7 +277,7 @@ class United:
         membership = self._membership(fired, True)
         nodes = self._row_nodes(fired)
         steps = np.arange(_BETWEEN) / _BETWEEN
-        # From just within each piece, for sets may jump at its ends.
+        # Points start just inside each piece, because sets may jump at its ends.
         width = np.diff(nodes, axis=1)
         inside = nodes[:, :-1, np.newaxis] + width[..., np.newaxis] * steps
         points = np.concatenate([inside.reshape(len(nodes), -1), nodes[:, -1:]], axis=1)
@@ -285,7 +288,7 @@ class United:
     def centroids(self, strengths: Array) -> Array:
         """Return the centroids (n, 2) of the unions under firing intervals (n, R, 2).
 
-        NaN where nothing fires.
+        A centroid is NaN where no rule fires.
         """
         strengths = self._by_set_strengths(strengths)
         if self.of_points:
@@ -301,7 +304,7 @@ class United:
         return out
 
     def _compiled(self, rows: Array, strengths: Array, out: Array) -> int:
-        """Write the centroids by the compiled loop; return the row where that gave up."""
+        """Write the centroids with the compiled loop; return the first row that it refused."""
         from fuzzy2.systems.united_kernels import centroids_of_unions
 
         by_end = np.ascontiguousarray(np.moveaxis(strengths, 2, 1))
@@ -326,7 +329,7 @@ class United:
         return generalized_centroid(self._places, self._weights_of_points(strengths))
 
     def _weights_of_points(self, strengths: Array) -> Array:
-        """Return the grades (n, P, 2) of the union at its different points, in their order."""
+        """Return the grades (n, P, 2) of the union at its different points, in ascending order."""
         weights = self._implication(strengths, self._heights)
         return np.stack(
             [
@@ -366,9 +369,9 @@ class United:
         return np.stack([np.minimum(left, right), np.maximum(left, right)], axis=-1)
 
     def _membership(self, strengths: Array, crisp: bool) -> _Membership:
-        """Return the function from rows (P,) and points (P, q) to united grades (2, P, q).
+        """Return a function from rows (P,) and points (P, q) to grades of the union (2, P, q).
 
-        Of type-1 unions once, (1, P, q).
+        For type-1 unions the result is (1, P, q).
         """
         ends = (1,) if crisp else (0, 1)
 
@@ -395,7 +398,7 @@ class United:
         return united
 
     def _row_nodes(self, strengths: Array) -> Array:
-        """Return the ascending nodes (n, N) of each row: kinks, and where sets are clipped."""
+        """Return the ascending nodes (n, N) of each row: kinks and points of clipping."""
         nodes = [np.broadcast_to(self._nodes, (len(strengths), len(self._nodes)))]
         name = self._implication.name
         if name in ("min", "nilpotent", "lukasiewicz"):
@@ -404,7 +407,8 @@ class United:
                     if (end == 0 and part is item.upper and self.crisp) or not part.is_convex():
                         continue
                     level = strengths[:, k, end] if name == "min" else 1.0 - strengths[:, k, end]
-                    # As much below the height as rounding, and below what is never reached.
+                    # Levels stay slightly below the height, because of rounding and because some
+                    # sets never reach it.
                     cuts = part.alpha_cut(np.clip(level, 1e-300, part.height * (1.0 - 1e-12)))
                     nodes.append(np.stack(cuts, axis=-1))
         return np.sort(np.clip(np.concatenate(nodes, axis=1), *self._ends), axis=1)
@@ -427,14 +431,14 @@ class United:
                 scale = np.bincount(rows, both[0, :, -1], len(strengths)).astype(float)
             reach = self._ends[1] - self._ends[0]
             sizes = scale[rows][:, np.newaxis] if crisp else both[0]
-            # Points are themselves rounded, which a set that varies within a piece sees as noise.
+            # Points are themselves rounded, which looks like noise if a set varies within a piece.
             noise = 1e-15 * np.maximum(np.abs(left), np.abs(right)) / (right - left)
             allowed = (TOLERANCE + noise)[:, np.newaxis] * sizes + NEGLIGIBLE
             gap = np.abs(whole - both)
             rough = ((gap[0] > allowed) | (gap[1] > allowed * reach)).any(axis=-1)
             rough &= (left < middle) & (middle < right) & (depth < DEEPEST)
             if np.count_nonzero(rough) > MOST_ROUGH * len(strengths):
-                # Noise, which no halving makes smoother.
+                # Halving does not make noise smoother.
                 rough[:] = False
             fine = ~rough
             done.append(_Pieces(rows[fine], left[fine], right[fine], *both[:, fine]))
@@ -481,8 +485,8 @@ class United:
         edge = pieces.right - center
         upper = [part[:, 1] + own[:, 1] for part, own in zip(before, pieces[3:], strict=True)]
         value = edge * upper[0] - upper[1] + edge * after[0] - after[1]
-        # The first piece at whose end F is positive holds the zero; with no lower area that is the
-        # first one with an upper area, and the zero is its left end.
+        # The first piece with a positive F at its right end contains the zero. If there is no lower
+        # area, it is the first piece with an upper area, and the zero is its left end.
         found = np.full(count, -1)
         good = np.flatnonzero((value >= 0.0) & (upper[0] > 0.0))
         found[pieces.rows[good][::-1]] = good[::-1]
@@ -509,7 +513,7 @@ class United:
             if moved <= least:
                 break
         ends[rows] = c
-        # Rounding leaves a small lower area where there is none.
+        # Rounding may leave a small lower area where there is none.
         none = rows[areas[rows, 0] <= 0.0]
         ends[none] = pieces.left[found[none]]
         return ends
@@ -534,6 +538,6 @@ def _by_row(values: Array, rows: NDArray[np.intp], count: int) -> Array:
 
 
 def _before(values: Array, starts: NDArray[np.intp], rows: NDArray[np.intp]) -> Array:
-    """Return the sums (P, ends) of the values of the pieces of a row before each piece."""
+    """Return the sums (P, ends) of the values of all pieces of a row before each piece."""
     total = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(values, axis=0)])
     return np.asarray(total[:-1] - total[starts[rows]])

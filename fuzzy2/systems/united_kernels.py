@@ -1,8 +1,8 @@
-"""Compiled loops that integrate unions of output sets; :mod:`fuzzy2.systems.united` is their face.
+"""Compiled loops that integrate unions of output sets, which :mod:`fuzzy2.systems.united` calls.
 
-Sets are two rows each, of the lower and of the upper membership function, laid out as the terms of
-a system's table (``fuzzy2.systems.kernels``): the number of an input, which does not matter, then
-what ``kernel_row()`` gives.
+Each set has two rows, one for the lower and one for the upper membership function. They are laid
+out like the terms of a system's table (``fuzzy2.systems.kernels``): the number of an input, which
+is ignored, then the result of ``kernel_row()``.
 """
 
 from __future__ import annotations
@@ -17,21 +17,21 @@ from fuzzy2.systems.firing_kernels import TERM, _grades
 
 MOST_PIECES = 4096
 USUAL_PIECES = 256
-"""Pieces for which there is room at first: more would cost a single call more than its sums."""
+"""Number of pieces that fit into memory at first; allocating more would dominate a single call."""
 STACK = 64
 MOST_TURNS = 2 * MOST_PIECES
-"""Pieces that are looked at, of noise that no halving makes smoother."""
+"""Greatest number of pieces that are evaluated, because halving does not make noise smoother."""
 ROOM = 6 * STACK + 8
-"""Numbers that the integration of a union needs beside its nodes and pieces."""
+"""Size of the scratch space for integrating a union, besides its nodes and pieces."""
 UNION_ROUNDING = 1e-15
-"""What roundings make of a number of 1."""
+"""Effect of rounding errors on a number of size 1."""
 UNION_INSET = 1e-9
-"""As a share of a piece, how far from its ends it is looked at and split."""
+"""Distance from the ends of a piece at which it is evaluated and split, as a share of the piece."""
 
 
 @scalar
 def _one_grade(row, o, end, x):
-    """Lower or upper grade of x in the term whose row starts at o; both cost two exponentials."""
+    """Return the lower or upper grade of x in a term; both would cost two exponentials."""
     if int(row[o + 1]) != 0:
         lower, upper = _grades(row, o, x, 0.0)
         return upper if end == 1 else lower
@@ -48,11 +48,12 @@ def _one_grade(row, o, end, x):
 
 @scalar
 def _union(rows, weights, sets, product, total, end, x):
-    """Grade of the lower or upper union at a point, under weights (2, sets), flat."""
+    """Return the grade of the lower or upper union at a point, for weights (2, sets), flat."""
     united = 0.0
     for k in range(sets):
         weight = weights[end * sets + k]
-        # Grades are at most 1: by the maximum a weight that is no greater adds nothing.
+        # Grades are at most 1, so under the maximum a weight that is not greater than the result
+        # adds nothing.
         if weight == 0.0 or (not total and weight <= united):
             continue
         grade = _one_grade(rows, TERM * (2 * k + end), end, x)
@@ -65,7 +66,7 @@ def _union(rows, weights, sets, product, total, end, x):
 def _rule(rows, weights, sets, product, total, crisp, nodes, left, right, origin, out, o):
     """Write areas and moments of the lower and the upper union over a piece.
 
-    Of a type-1 union twice the same.
+    For a type-1 union both are equal.
     """
     half, middle = 0.5 * (right - left), 0.5 * (left + right)
     for i in range(4):
@@ -87,16 +88,16 @@ def _rule(rows, weights, sets, product, total, crisp, nodes, left, right, origin
 
 @scalar
 def _cuts(rows, o, end, level, nodes, count):
-    """Add the points at which a membership function has a grade; return how many nodes there are.
+    """Add the points where a membership function has a given grade; return the number of nodes.
 
-    Also points at which it would have it on another branch, which do no harm.
+    Points on other branches of the formula are added as well, which does no harm.
     """
     if not 0.0 < level < 1.0:
         return count
     if int(rows[o + 1]) == 1:
         a, b, c, d, height = rows[o + 2], rows[o + 3], rows[o + 4], rows[o + 5], rows[o + 6]
         if level < height:
-            # Of a shoulder that has no end there is nothing to cut on that side.
+            # A shoulder that never ends has no such point on that side.
             nodes[count] = a + (b - a) * level / height if b > a else b
             nodes[count + 1] = d - (d - c) * level / height if d > c else c
             return count + 2
@@ -113,7 +114,7 @@ def _cuts(rows, o, end, level, nodes, count):
 
 @scalar
 def _nodes_of(rows, weights, sets, product, crisp, kinks, nodes):
-    """Write the ascending nodes of a union; return how many there are."""
+    """Write the ascending nodes of a union; return their number."""
     count = kinks.size
     for i in range(count):
         nodes[i] = kinks[i]
@@ -123,7 +124,7 @@ def _nodes_of(rows, weights, sets, product, crisp, kinks, nodes):
                 o = TERM * (2 * k + end)
                 count = _cuts(rows, o, end, weights[end * sets + k], nodes, count)
     first, last = kinks[0], kinks[kinks.size - 1]
-    # Kinks come in order; what is added after them is put where it belongs.
+    # Kinks are in ascending order; the points added after them are inserted in order.
     for i in range(count):
         node = min(max(nodes[i], first), last)
         k = i
@@ -136,7 +137,7 @@ def _nodes_of(rows, weights, sets, product, crisp, kinks, nodes):
 
 @scalar
 def _grade_of(rows, weights, sets, product, k, end, x):
-    """Grade at which a rule leaves its output set at a point."""
+    """Return the grade of a rule's output set at a point, after the implication."""
     grade = _one_grade(rows, TERM * (2 * k + end), end, x)
     weight = weights[end * sets + k]
     return weight * grade if product else min(weight, grade)
@@ -144,7 +145,7 @@ def _grade_of(rows, weights, sets, product, k, end, x):
 
 @scalar
 def _highest(rows, weights, sets, product, end, x):
-    """Return which set is highest at a point."""
+    """Return the number of the highest set at a point."""
     best, most = -1, 0.0
     for k in range(sets):
         grade = _grade_of(rows, weights, sets, product, k, end, x)
@@ -172,7 +173,7 @@ def _split(rows, weights, sets, product, total, crisp, left, right):
             rows, weights, sets, product, second, end, b
         )
         x = 0.5 * (a + b)
-        # False position, with half the weight for an end that stays (Illinois).
+        # False position with half the weight for an end that does not move (Illinois method).
         for _ in range(20):
             if not above > below:
                 break
@@ -210,9 +211,10 @@ def _pieces_of(  # noqa: C901, PLR0913 (one compiled loop over pieces and their 
     sums,
     room,
 ):
-    """Write the ascending pieces, (P, 2) and (P, 4), flat; return how many, or -1 if too many.
+    """Write the ascending pieces, (P, 2) and (P, 4), flat; return their number, or -1 if too many.
 
-    For a type-1 union there is one piece, the whole, at its end. ``room`` (ROOM,) is for sums.
+    For a type-1 union the result is one piece, the whole range. ``room`` (ROOM,) is scratch space
+    for sums.
     """
     stack = room[: 2 * STACK]
     found = room[2 * STACK : 6 * STACK]
@@ -259,14 +261,14 @@ def _pieces_of(  # noqa: C901, PLR0913 (one compiled loop over pieces and their 
                     j = 2 * end + power
                     both = one[j] + one[4 + j]
                     size = scale if crisp else one[2 * end] + one[4 + 2 * end]
-                    # Points are themselves rounded, which shows in narrow pieces.
+                    # Points are themselves rounded, which is noticeable in narrow pieces.
                     noise = UNION_ROUNDING * max(abs(left), abs(right)) / (right - left)
                     allowed = ((tolerance + noise) * size + 1e-280) * (reach if power == 1 else 1.0)
                     rough = rough or abs(found[4 * depth + j] - both) > allowed
             turns += 1
             rough = rough and turns < MOST_TURNS
             if rough and left < middle and middle < right and depth + 2 < STACK:
-                # The left half is on top, so that pieces come in ascending order.
+                # The left half is on top of the stack, so pieces come in ascending order.
                 stack[2 * depth], stack[2 * depth + 1] = middle, right
                 stack[2 * depth + 2], stack[2 * depth + 3] = left, middle
                 for j in range(4):
@@ -291,7 +293,7 @@ def _pieces_of(  # noqa: C901, PLR0913 (one compiled loop over pieces and their 
 def _end_of(rows, weights, sets, product, total, gauss, edges, sums, pieces, origin, left_end, one):
     """Return the left or the right end of the centroid of an interval type-2 union, or NaN.
 
-    The right end is the left end of the mirrored union; ``one`` (4,) is room for sums.
+    The right end is the left end of the mirrored union. ``one`` (4,) is scratch space for sums.
     """
     sign = 1.0 if left_end else -1.0
     after_area, after_moment = 0.0, 0.0
@@ -363,10 +365,10 @@ def centroid_of_union(  # noqa: PLR0913 (memory is handed over, piece by piece)
     out,
     o,
 ):
-    """Write the centroid, two numbers, of a union fired by (2, sets), flat.
+    """Write the two ends of the centroid of a union fired by (2, sets), flat.
 
-    ``nodes`` (kinks + 4 sets,), ``edges`` (2 P,), ``sums`` (4 P,) and ``room`` (ROOM,) are memory;
-    of type-1 unions P is 1. Return whether P pieces are enough.
+    ``nodes`` (kinks + 4 sets,), ``edges`` (2 P,), ``sums`` (4 P,) and ``room`` (ROOM,) are scratch
+    space; P is 1 for type-1 unions. Return whether P pieces are enough.
     """
     origin = 0.5 * kinks[0] + 0.5 * kinks[kinks.size - 1]
     count = _nodes_of(rows, weights, sets, product, crisp, kinks, nodes)
@@ -401,10 +403,11 @@ def centroids_of_unions(
     tolerance: float,
     out: Array,
 ) -> int:
-    """Write the centroids (n, 2) of unions fired by (n, 2, sets); return -1, or the first refused.
+    """Write the centroids (n, 2) of unions fired by (n, 2, sets); return -1 or a refused row.
 
-    Refused are unions that need too many pieces. ``total`` adds sets up, else they are united by
-    the maximum; ``gauss`` holds nodes, then weights of the rule on [-1, 1].
+    Unions that need too many pieces are refused. If ``total`` is true, sets are added up; otherwise
+    they are united by the maximum. ``gauss`` holds the nodes and then the weights of the quadrature
+    rule on [-1, 1].
     """
     sets = strengths.shape[2]
     flat, found = strengths.ravel(), out.ravel()

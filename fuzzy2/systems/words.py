@@ -1,4 +1,4 @@
-"""The rules of a system in words, whatever they were made of."""
+"""The rules of a system in words, however the system was made."""
 
 from __future__ import annotations
 
@@ -17,16 +17,17 @@ from fuzzy2.systems.rules import antecedent_in_words, quoted
 def rules_in_words(
     system: Explainable, most: int | None = None, asks: Callable[[Is], Antecedent] | None = None
 ) -> list[str]:
-    """Return the text of each rule: names where there are names, else numbers or sets.
+    """Return the text of each rule, with names if there are names, otherwise with numbers or sets.
 
     Parameters
     ----------
     system : FuzzySystem
         The system.
     most : int, optional
-        So many from the first on; all by default.
+        Greatest number of rules, from the first on; all by default.
     asks : callable, optional
-        From a part ``input is term`` by number to one in words; the names of the system by default.
+        Converts a clause ``input is term`` from numbers to words; by default with the names of the
+        system.
     """
     trees = system.rules if isinstance(system.rules, tuple) else trees_of(system.rules)
     count = len(trees) if most is None else min(most, len(trees))
@@ -55,7 +56,7 @@ def _asked(tree: Antecedent) -> str:
     try:
         return antecedent_in_words(tree)
     except InvalidValue:
-        # A hedge of a group, which rules in words do not have.
+        # A hedge of a group, which rules in words cannot express.
         return str(tree)
 
 

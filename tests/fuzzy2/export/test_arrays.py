@@ -95,9 +95,9 @@ def test_tables_are_constants(x, tmp_path):
 @pytest.mark.parametrize(
     ("kernel", "why"),
     [
-        (of_unknown_size, "memory whose size is not known"),
-        (every_second, "with steps"),
-        (by_a_number, "no whole number"),
+        (of_unknown_size, "the size of memory must be known"),
+        (every_second, "no step"),
+        (by_a_number, "must be a whole number"),
     ],
 )
 def test_what_is_refused(kernel, why, tmp_path):

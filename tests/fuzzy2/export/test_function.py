@@ -227,11 +227,11 @@ def with_a_step_of_its_own(x, out):
 
 REFUSED = {
     itself: "it calls itself",
-    over_a_list: "no counted loop",
-    with_else: "a loop with else",
-    into_its_input: "nobody may write to",
+    over_a_list: "must count over range",
+    with_else: "cannot have an else",
+    into_its_input: "read-only",
     with_a_word_of_c: "short is a word of C",
-    with_a_step_of_its_own: "a step that is not known",
+    with_a_step_of_its_own: "the step must be known",
 }
 
 

@@ -64,7 +64,7 @@ def test_files_of_a_user_are_not_written_over(tmp_path: Path) -> None:
     """Neither those that were there first, nor those of an export that were changed."""
     (tmp_path / "main.c").write_text("int main(void) { return 0; }\n")
     before = contents(tmp_path)
-    with pytest.raises(FileInTheWay, match=r"main\.c is there.*move or delete it"):
+    with pytest.raises(FileInTheWay, match=r"main\.c exists.*move or delete it"):
         export_project(SYSTEM, tmp_path, name="one")
     assert contents(tmp_path) == before
     (tmp_path / "main.c").unlink()

@@ -129,7 +129,7 @@ def test_no_rule_fires() -> None:
         ("AND : PROD;", "AND : PROOD;", 31, "AND : PROOD"),
         ("(40, 0)", "(forty, 0)", 7, "'forty'"),
         ("FUNCTION speed", "FUNCTION LOG(speed)", 27, "natural in fuzzylite"),
-        ("FUNCTION speed", "FUNCTION Force * plan", 32, "asks for 'plan'"),
+        ("FUNCTION speed", "FUNCTION Force * plan", 32, "uses 'plan'"),
         ("TERM silent := 0", "TERM silent := SINGLETONS (0, 1)", 21, "SINGLETONS"),
         ("METHOD : COG;", "LOCK : PREVIOUS; METHOD : COG;", 18, "take DEFAULT := NC"),
         ("DEFAULT := 0;", "DEFAULT := 0 | NC;", 18, "take the number alone, or NC"),

@@ -115,7 +115,7 @@ G, N = Gaussian(0, 1), [[1.0]]
             Type1System([[Trapezoidal(-math.inf, -math.inf, math.inf, math.inf), G]], [[1]], N),
             "no membership function of that shape",
         ),
-        (Type1System([[G]], [[-1]], N), "a rule that asks for nothing"),
+        (Type1System([[G]], [[-1]], N), "a rule without an antecedent"),
         (Type1System([[G]], [[0]], N, input_names=["a\nb"]), "the name 'a\\nb'"),
         (
             IntervalType2System([[GaussianUncertainMean((0, 1), 1)]], [[0]], N),

@@ -109,7 +109,7 @@ def test_round_trips(tmp_path: Path, text: str) -> None:
 
 
 REFUSED: list[tuple[Callable[[str], str], str, str]] = [
-    (lambda t: t.replace("Constant 7", "Function power/price"), "line 45", "asks for 'price'"),
+    (lambda t: t.replace("Constant 7", "Function power/price"), "line 45", "uses 'price'"),
     (lambda t: t.replace("Triangle 0 0.25 0.5", "Function 3*x"), "line 13", "leave [0, 1]"),
     (lambda t: t.replace("Ramp 6 2", "Function x/2"), "line 2", "leave [0, 1]"),
     (lambda t: t.replace("default: -1", "default: -1\n  lock-previous: true"), "line 27", "lock"),

@@ -151,7 +151,7 @@ def test_functions_several_kinds_and_weighted_else_are_refused() -> None:
     with pytest.raises(NotExpressible, match=r"functions of 'tip'.*take order 0"):
         parse_fml(functions)
     other = '<tskVariable name="z" combination="WA"/></knowledgeBase>'
-    with pytest.raises(NotExpressible, match=r"outputs of several kinds.*take one of them"):
+    with pytest.raises(NotExpressible, match=r"outputs of several kinds.*take one kind"):
         parse_fml(TIPPER_OF_CLOUDS.replace("</knowledgeBase>", other))
     with pytest.raises(NotExpressible, match="with a weight"):
         parse_fml(CHANGED.replace('"rule3"', '"rule3" weight="0.5"'))
@@ -172,8 +172,8 @@ def of(rules: Any, said: Any = SAID, firing: Any = FIRING, **options: Any) -> An
     ("system", "said"),
     [
         (of([FIRST], Linear([[[1.0, 2.0]]]), type_reduction="center_of_sets"), "functions of fir"),
-        (of([FIRST], firing=Gaussian(0.0, 1.0)), "ask for the firing itself"),
-        (of([FIRST, Not(Not(FIRST))]), "ask for the firing itself"),
+        (of([FIRST], firing=Gaussian(0.0, 1.0)), "use the firing itself"),
+        (of([FIRST, Not(Not(FIRST))]), "use the firing itself"),
         (of([FIRST, FIRST]), "2 rules for a firing and 0 against it"),
         (of([Not(FIRST)]), "0 rules for a firing and 1 against it"),
         (of([FIRST, Not(FIRST)], weights=[0.5, 1.0]), "fires by 1 - w f"),

@@ -351,7 +351,7 @@ def test_documents_that_are_none(text: str, place: str, said: str) -> None:
             TIPPER,
             "    <fuzzyVariable",
             "<anYaDataCloud/>\n    <fuzzyVariable",
-            "only an <anYaRuleBase> asks for clouds",
+            "only an <anYaRuleBase> uses clouds",
         ),
         (TSK, 'combination="WA"', 'combination="custom_x"', "the weighted average"),
     ],

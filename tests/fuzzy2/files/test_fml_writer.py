@@ -42,7 +42,7 @@ G, N = Gaussian(0, 1), [[1.0]]
             Type1System([[Trapezoidal(-math.inf, -math.inf, math.inf, math.inf), G]], [[1]], N),
             "it has no such shape",
         ),
-        (Type1System([[G]], [[-1]], N), "a rule that asks for nothing"),
+        (Type1System([[G]], [[-1]], N), "a rule without an antecedent"),
         (Type1System([[G]], [[0]], N, input_names=["y1"]), "an input and an output of one name"),
         (Type1System([[G]], [[0]], N, term_names=[["a\x00"]]), "the name 'a\\x00'"),
     ],

@@ -158,10 +158,10 @@ LOW_HIGH = [[Gaussian(0.0, 1.0), Gaussian(1.0, 1.0)]]
 @pytest.mark.parametrize(
     ("system", "words"),
     [
-        (Type1System([[Triangular(0.0, 1.0, 2.0)]], [[0]], [[1.0]]), "is no Gaussian"),
+        (Type1System([[Triangular(0.0, 1.0, 2.0)]], [[0]], [[1.0]]), "is not a Gaussian"),
         (
             Type1System(LOW_HIGH, [[0], [1]], [Gaussian(0.0, 1.0), Gaussian(1.0, 1.0)]),
-            "neither numbers nor intervals",
+            "numbers, intervals or linear functions",
         ),
         (Type1System(LOW_HIGH, [[0], [1]], [[0.0], [1.0]], "lukasiewicz"), "t-norm"),
         (

@@ -138,7 +138,7 @@ def test_an_error_about_another_file_keeps_its_name(tmp_path: Path) -> None:
     ("place", "message"),
     [
         ("none/text", "No such file or directory; make the folder first"),
-        ("file/text", "Not a directory; a part of the path is a file and no folder"),
+        ("file/text", "Not a directory; a part of the path is a file, not a folder"),
         ("", "Is a directory; it is a folder"),
     ],
 )
@@ -321,7 +321,7 @@ def test_a_folder_that_cannot_be_made_is_refused(tmp_path: Path) -> None:
     assert made_folder(tmp_path / "one" / "two") == made_folder(tmp_path / "one" / "two")
     (tmp_path / "file").write_text("in the way")
     for place in ("file", "file/below"):
-        with pytest.raises(FileNotWritten, match="is a file and no folder"):
+        with pytest.raises(FileNotWritten, match="is a file, not a folder"):
             made_folder(tmp_path / place)
 
 

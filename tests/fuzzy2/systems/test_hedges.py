@@ -26,7 +26,7 @@ def test_a_hedge_of_ones_own_in_a_rule() -> None:
     )
     np.testing.assert_allclose(system.firing([0.75])[:, 0], [0.5, 0.75])
     np.testing.assert_allclose(system([0.75]), [0.6])
-    with pytest.raises(InvalidRule, match="which is no hedge"):
+    with pytest.raises(InvalidRule, match="which is not a hedge"):
         Type1System(terms, "IF x is indeed low THEN y is a", {"y": {"a": 0.0}})
 
 

@@ -220,7 +220,7 @@ def test_fuzzy_controllers_learn_where_they_are_asked_for(psp3_command: Run) -> 
     ("arguments", "words"),
     [
         (("train", "a.json", "--kind", "t3"), "unknown kind of controller 't3'"),
-        (("train", "a.json", "--terms", "3"), "fired by no sample"),
+        (("train", "a.json", "--terms", "3"), "no sample fires rule"),
         (("train", "a.json", "--defuzzify", "middle"), "unknown order of defuzzification 'middle'"),
         (("train", "a.json", "--snr", "nan"), "--snr must be"),
         (("train", "a.json", "--trajectory", "hold"), "every difference input changes"),
