@@ -211,7 +211,7 @@ class Benchmark(Described):
             After Ctrl-C, at whatever moment; what was done stays.
         """
         if workers is not None and scheduler is not None:
-            raise InvalidValue("workers", workers, "left out where a scheduler has its own")
+            raise InvalidValue("workers", workers, "left out with a scheduler, which has its own")
         if scheduler is not None:
             cluster.host_and_port(scheduler)
         if progress is not None:

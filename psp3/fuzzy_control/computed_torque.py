@@ -206,7 +206,7 @@ class FuzzyComputedTorque(Described):
             ("learner", "strongest" if learner is None else learner, LEARNERS),
             ("origin of C", coriolis, CORIOLIS),
             ("reduction", reduction, REDUCTIONS),
-            ("way outside of the trained range", outside, OUTSIDE),
+            ("treatment of inputs outside of the trained range", outside, OUTSIDE),
             ("order of defuzzification", defuzzify, ORDERS),
         ):
             known_name(what, name, known)
