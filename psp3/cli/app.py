@@ -10,11 +10,11 @@ from typer.core import TyperCommand, TyperGroup
 from psp3.cli.options import USAGE
 
 ANY_LENGTH = 1000
-"""Of a sentence: the help breaks lines, and leaves nothing out."""
+"""Length limit of a command's summary; large, because the help wraps long summaries."""
 
 
 def _without_type(options: list[Any]) -> list[Any]:
-    """Return options, of which those that take no value do not show the type of one."""
+    """Return options; those that take no value show no type."""
     for one in options:
         if getattr(one, "is_flag", False) and one.metavar is None:
             one.metavar = ""
@@ -22,7 +22,7 @@ def _without_type(options: list[Any]) -> list[Any]:
 
 
 class Command(TyperCommand):
-    """A command whose help shows no type of what takes no value."""
+    """A command whose help shows no type for options that take no value."""
 
     def get_params(self, ctx: Any) -> list[Any]:
         """Return options and arguments."""
@@ -30,9 +30,9 @@ class Command(TyperCommand):
 
 
 class Group(TyperGroup):
-    """The same of a group of commands, whose own help has no frames.
+    """A group of such commands, whose own help has no frames.
 
-    What draws them takes longer to import than all else that the help of a group needs.
+    Importing the code that draws frames takes longer than everything else in a group's help.
     """
 
     def __init__(self, **settings: Any) -> None:
@@ -44,7 +44,7 @@ class Group(TyperGroup):
         return _without_type(super().get_params(ctx))
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write the first sentence of every command, whole."""
+        """Write the full first sentence of every command."""
         commands = [(name, self.get_command(ctx, name)) for name in self.list_commands(ctx)]
         with formatter.section("Commands"):
             formatter.write_dl(
