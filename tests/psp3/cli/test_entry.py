@@ -183,7 +183,7 @@ OF_OTHER_ROBOTS = [
     ("workspace delta --largest-tilt 3", "--largest-tilt is an option of the 3-PSP"),
     ("workspace delta --over x", "--over must be two of x, y, z"),
     ("workspace --over x", "--over must be tilt or tip for the 3-PSP, got 'x'"),
-    ("simulate biped --controller it2", "one whose coordinates are those of its motors"),
+    ("simulate biped --controller it2", "a robot whose coordinates are its motors"),
     ("simulate delta --trajectory helix", "--trajectory helix is a motion of the 3-PSP's tip"),
     ("simulate delta --trajectory line", "--trajectory line needs --end"),
     ("simulate delta --amplitude -1", "amplitude must be finite and positive"),
