@@ -264,7 +264,7 @@ class AdaptiveFuzzyComputedTorque(Described):
         return self.base.numbers_said
 
     def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
-        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        """Return the controller's table for the compiled loop, or None, see :func:`steer`."""
         is_other = type(self) is not AdaptiveFuzzyComputedTorque
         if is_other or widths != Widths.of_motors(self.base.joints):
             return None

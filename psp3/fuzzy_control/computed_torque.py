@@ -498,7 +498,7 @@ class FuzzyComputedTorque(Described):
         return kernels.step_width(self.joints) - self.joints
 
     def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
-        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        """Return the controller's table for the compiled loop, or None, see :func:`steer`."""
         if type(self) is not FuzzyComputedTorque or widths != Widths.of_motors(self.joints):
             return None
         if self._controller is None:
@@ -515,7 +515,7 @@ class FuzzyComputedTorque(Described):
         return kernels.FuzzyRun(self.controller, model, nothing if added is None else added)
 
     def take(self, table: Any, steps: Array) -> dict[str, Array]:
-        """Be as after the last of the steps, and return what is reported of all."""
+        """Take the state after the last step, and return the reports of all steps."""
         self._step = steps[-1].copy() if len(steps) else self._step
         return kernels.reported(steps)
 
@@ -529,7 +529,7 @@ class FuzzyComputedTorque(Described):
         t : float
             Time [s]; not used.
         heights, speeds : (n,) array_like
-            Positions [m or rad] and speeds [m/s or rad/s]; of the 3-PSP those of its nuts.
+            Positions [m or rad] and speeds [m/s or rad/s]; for the 3-PSP those of its nuts.
         desired : Motion
             Desired positions, speeds and accelerations, (n,) each.
 
@@ -623,7 +623,7 @@ class FuzzyComputedTorque(Described):
         Parameters
         ----------
         heights, speeds : (..., n) array_like
-            Positions [m or rad] and speeds [m/s or rad/s]; of the 3-PSP those of its nuts.
+            Positions [m or rad] and speeds [m/s or rad/s]; for the 3-PSP those of its nuts.
 
         Returns
         -------
@@ -651,7 +651,7 @@ class FuzzyComputedTorque(Described):
         Parameters
         ----------
         heights, speeds : (..., n) array_like
-            Positions [m or rad] and speeds [m/s or rad/s]; of the 3-PSP those of its nuts.
+            Positions [m or rad] and speeds [m/s or rad/s]; for the 3-PSP those of its nuts.
 
         Returns
         -------
@@ -700,7 +700,7 @@ class FuzzyComputedTorque(Described):
         Parameters
         ----------
         heights, speeds : (n,) array_like
-            Positions [m or rad] and speeds [m/s or rad/s]; of the 3-PSP those of its nuts.
+            Positions [m or rad] and speeds [m/s or rad/s]; for the 3-PSP those of its nuts.
         desired : Motion
             Desired positions, speeds and accelerations, (n,) each.
 

@@ -110,7 +110,7 @@ class Record(Described):
     t : (N,) ndarray
         Times [s].
     positions, speeds : (N, n) ndarray
-        Positions [m or rad] and speeds [m/s or rad/s]; of the 3-PSP those of its nuts.
+        Positions [m or rad] and speeds [m/s or rad/s]; for the 3-PSP those of its nuts.
     inputs : (N, p) ndarray
         Inputs of the robot's dynamics along the run; for the 3-PSP four differences.
     outputs : (N, K) ndarray
