@@ -562,7 +562,7 @@ def test_file_of_the_first_format_is_refused_with_what_to_do(path: Path) -> None
         "PRAGMA user_version = 1",
     )
     before = path.read_bytes()
-    with pytest.raises(StudyMismatch, match=r"psp3 that wrote it.*another file.*done anew"):
+    with pytest.raises(StudyMismatch, match=r"psp3 that wrote it.*another file.*done again"):
         StudyFile(path, SHARED)
     assert path.read_bytes() == before
 
