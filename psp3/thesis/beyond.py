@@ -352,8 +352,8 @@ def mean_variations(results: Outcomes, plan: Plan, outcome: Reproduction) -> Ser
             ["mean variation, share of the range", *series],
             rows,
             "Reading 'parameters', strongest sample. The rule of this package takes "
-            f"{listed(rule)} at {at} dB; of the values tried, {listed(least)} give the least mean "
-            f"errors. {in_brackets([plan.sweep_seeds], 'mean')}",
+            f"{listed(rule)} at {at} dB; of the values tried, the least mean errors are at "
+            f"{listed(least)}. {in_brackets([plan.sweep_seeds], 'mean')}",
             figures=("mean_variation",),
             detail=True,
         )

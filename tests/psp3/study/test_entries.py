@@ -126,9 +126,9 @@ def test_an_entry_is_named_by_where_it_is() -> None:
 @pytest.mark.parametrize(
     ("place", "words"),
     [
-        ("no_such_module:Name", r"can be imported here .* PYTHONPATH"),
-        ("psp3:NoSuchName", "can be imported here"),
-        ("psp3.version:package_version", "can be imported here"),
+        ("no_such_module:Name", r"that can be imported .* PYTHONPATH"),
+        ("psp3:NoSuchName", "that can be imported"),
+        ("psp3.version:package_version", "that can be imported"),
     ],
 )
 def test_what_cannot_be_imported_is_refused(place: str, words: str) -> None:
