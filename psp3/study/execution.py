@@ -369,7 +369,7 @@ class _Plants:
         self._state = positions, speeds
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
-        """Return positions and speeds after constant forces, or None if the robot is lost."""
+        """Return the state after a time under constant forces, or None if the robot is lost."""
         plant, end = self._plants[0]
         if end is not None and self._sample >= end:
             self._plants.pop(0)
