@@ -108,8 +108,8 @@ def errors_of(result: Result) -> tuple[Array, Array]:
             raise InvalidValue(
                 "result",
                 f"{what} that are not finite",
-                "a run with all its samples; of one that did not reach its end there is no tube, "
-                "and calibration takes None for it",
+                "a complete run; one that did not reach its end has no tube, and calibration "
+                "takes None for it",
             )
     return errors
 

@@ -51,7 +51,7 @@ def what_follows(robot: ClosedLoopRobot) -> str:
     if not others:
         return ""
     falls = robot.reference.size > robot.coordinates_v.size
-    base = f"; {others[-1]} floats: nothing holds the robot up, so that it falls" if falls else ""
+    base = f"; {others[-1]} floats: nothing holds the robot up, so it falls" if falls else ""
     return f"no motor commands {', '.join(others)}, which follow{base}"
 
 

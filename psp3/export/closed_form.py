@@ -40,15 +40,14 @@ def code_of(
     Raises
     ------
     NotExportable
-        If a frame is asked for that the closed form does not have: it has the star's pose and its
-        tip.
+        If ``frames`` names another frame than ``tip``, the only one of the closed form.
     """
     unknown = [frame for frame in frames or () if frame != "tip"]
     if unknown:
         raise NotExportable(
             f"frame {unknown[0]!r} of the closed form",
-            "that knows the star's pose and its tip",
-            'robot.dynamics("core"), which knows all frames',
+            "it has only the star's pose and its tip",
+            'robot.dynamics("core"), which has all frames',
         )
     model = robot.model
     order = [

@@ -75,7 +75,7 @@ def arrays_of(path: str | Path, largest: int = LARGEST) -> Mapping[str, NDArray[
         except (zipfile.BadZipFile, zlib.error, EOFError, struct.error) as error:
             raise ValueError(str(error) or "it ends too early") from error
         except (NotImplementedError, RuntimeError, AttributeError) as error:
-            raise ValueError(f"it is no zip of the usual kind: {error}") from error
+            raise ValueError(f"it is not a usual zip file: {error}") from error
 
 
 def _check_end(file: io.BufferedReader) -> None:
@@ -88,7 +88,7 @@ def _check_end(file: io.BufferedReader) -> None:
         raise ValueError("it is no zip")
     mark, _, _, _, members, table, _, comment = END.unpack(content[-END.size :])
     if mark != b"PK\x05\x06" or comment:
-        raise ValueError("it is no zip, or has a comment")
+        raise ValueError("it is not a zip file, or has a comment")
     if content.startswith(LONG_END) or members > MOST_MEMBERS or table > 2**16:
         raise ValueError(f"it has more than {MOST_MEMBERS} members, or a long table of contents")
     file.seek(0)
@@ -142,5 +142,5 @@ def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[np.gene
             raise ValueError(f"{member.filename[:80]!r} ends too early")
     # Booleans are bytes of 0 or 1; any other byte means a damaged file.
     if kind.kind == "b" and data.max(initial=0) > 1:
-        raise ValueError(f"{member.filename[:80]!r} holds bytes that are no truth values")
+        raise ValueError(f"{member.filename[:80]!r} holds bytes that are not booleans")
     return data.view(kind).reshape(shape, order="F" if by_columns else "C")

@@ -65,7 +65,7 @@ class WithIntegral(ComputedTorque):
         self._integral, self._last = 0.0, None
 
     def torque(self, t: float, positions: Array, speeds: Array, desired: Any) -> Array:
-        """Return the forces (n,) [N or N m], and go on with the integral."""
+        """Return the forces (n,) [N or N m], and update the integral."""
         error = desired.positions - positions[: len(desired.positions)]
         if self._last is not None:
             self._integral = self._integral + 0.5 * (t - self._last[0]) * (error + self._last[1])

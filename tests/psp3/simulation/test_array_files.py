@@ -58,7 +58,7 @@ def test_what_numpy_writes_is_read_bit_for_bit(tmp_path: Path, save: object) -> 
         (header((-1, -1)) + bytes(8), "impossible shape"),
         (header((1,) * 20) + bytes(8), "impossible shape"),
         (header((1,), "|O") + b"\x80\x04N.", "holds object"),
-        (header((1,), "|b1") + b"\x02", "no truth values"),
+        (header((1,), "|b1") + b"\x02", "not booleans"),
         (header((1,), "<M8[s]") + bytes(8), "holds datetime64"),
         (b"\x93NUMPY\x09\x00", "another version"),
         (b"nothing", "magic"),
