@@ -115,7 +115,7 @@ def test_a_changed_byte_of_the_numbers_is_noticed(tmp_path: Path) -> None:
 def test_what_is_no_zip_is_refused(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "a.npz"
     path.write_bytes(content)
-    with pytest.raises(ValueError, match="no zip"):
+    with pytest.raises(ValueError, match="not a zip file"):
         arrays_of(path)
     with pytest.raises(FileNotFoundError):
         arrays_of(tmp_path / "none.npz")

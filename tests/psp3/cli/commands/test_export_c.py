@@ -109,7 +109,7 @@ def test_controller_with_limits_of_a_robot_from_files(psp3_command: Run) -> None
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        (("five_bar", "psp3", "--out", "f"), "five_bar is a robot itself"),
+        (("five_bar", "psp3", "--out", "f"), "five_bar is a robot: leave out psp3"),
         (("five_bar", "--torque-limit", "1", "--out", "f"), "five_bar, which is not a controller"),
         (("x.json", "--actuated", "a", "--out", "f"), "--actuated is an option of a robot"),
         (("nobody", "--out", "f"), "nobody"),

@@ -109,7 +109,7 @@ def test_trained_controller_from_its_file(
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        (("five_bar", "delta"), "five_bar is a robot itself"),
+        (("five_bar", "delta"), "five_bar is a robot: leave out delta"),
         (("x.json", "--free", "keep"), "--free is an option of a robot: give the robot of x.json"),
         (("delta", "--torque-limit", "1,2"), "--torque-limit 1,2 has 2 numbers; 3 are needed"),
         (("delta", "--torque-limit", "-1"), "is not a list of positive numbers"),
