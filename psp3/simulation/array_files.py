@@ -75,7 +75,7 @@ def arrays_of(path: str | Path, largest: int = LARGEST) -> Mapping[str, NDArray[
         except (zipfile.BadZipFile, zlib.error, EOFError, struct.error) as error:
             raise ValueError(str(error) or "it ends too early") from error
         except (NotImplementedError, RuntimeError, AttributeError) as error:
-            raise ValueError(f"it is not a usual zip file: {error}") from error
+            raise ValueError(f"it is not a zip file of the usual kind: {error}") from error
 
 
 def _check_end(file: io.BufferedReader) -> None:
