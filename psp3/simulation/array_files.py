@@ -85,7 +85,7 @@ def _check_end(file: io.BufferedReader) -> None:
     file.seek(max(0, size - tail))
     content = file.read(tail)
     if len(content) < END.size:
-        raise ValueError("it is no zip")
+        raise ValueError("it is not a zip file")
     mark, _, _, _, members, table, _, comment = END.unpack(content[-END.size :])
     if mark != b"PK\x05\x06" or comment:
         raise ValueError("it is not a zip file, or has a comment")
