@@ -1,9 +1,9 @@
-"""Measure one control step from Python of every controller of chapter 6.
+"""Measure one control step from Python for every controller of chapter 6.
 
-Also whole runs inside the study. Run by ``make bench``.
+It also measures whole runs in a study. Run by ``make bench``.
 
-See ``timing.py`` for how calls are timed. Runs are those of Table 6.3 at 20 dB; workers are
-threads, because the loop of a run is compiled and holds no interpreter lock.
+``timing.py`` explains how calls are timed. Runs are those of Table 6.3 at 20 dB. Workers are
+threads, because the loop of a run is compiled and releases the interpreter lock.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ def seconds_a_run(controller: str, runs: int) -> float:
 
 
 def runs_a_second(workers: int, runs: int) -> float:
-    """Return how many runs of the interval type-2 controller that many threads do in a second."""
+    """Return how many runs per second a number of threads does, for interval type-2."""
     todo = [Run("it2", snr_db=SNR, duration=10.0, seed=seed) for seed in range(runs)]
     with ThreadPoolExecutor(workers) as pool:
         start = time.perf_counter()
@@ -88,7 +88,7 @@ def runs_a_second(workers: int, runs: int) -> float:
 def memory_of_a_study(runs: int) -> dict[str, float]:
     """Return peak memory [MB] before and after a study, and the size of its file.
 
-    The study has so many short runs.
+    The study has a given number of short runs.
     """
     script = (
         "import resource, sys, psp3\n"

@@ -1,13 +1,13 @@
-"""What a step costs in C beside the same step called from Python, and beside fuzzylite's C++.
+"""Compare the time of a step in C with the same step from Python, and with fuzzylite's C++.
 
-Run by ``make bench``; it needs a compiler of C (``gcc``).
+Run by ``make bench``; it needs a C compiler (``gcc``).
 
-Each function is compiled as its Makefile does, with ``-O2``, and runs over the inputs of its test,
-in turns with the call from Python over the same inputs, in processor time. Robots go round a motion
-that they can make, in C and in Python each from the pose of the call before. fuzzylite takes part
-where its library can be linked (Debian's ``libfuzzylite-dev`` and ``g++``): it reads the type-1
-systems as FLL, and by how much it answers otherwise is printed (it passes over rules that fire by
-less than 1e-6, which some of the inputs, far outside, are made of).
+Each function is compiled as in its Makefile, with ``-O2``. It runs over the inputs of its test,
+alternating with calls from Python on the same inputs, and processor time is measured. Robots repeat
+a feasible motion, in C and in Python, starting each call from the previous pose. fuzzylite takes
+part if its library can be linked (Debian's ``libfuzzylite-dev`` and ``g++``). It reads the type-1
+systems as FLL, and the difference of its outputs is printed. They differ because it ignores rules
+with a firing strength below 1e-6, the only rules that fire for some inputs far outside.
 """
 
 from __future__ import annotations
@@ -39,18 +39,18 @@ from psp3.trajectories.motion import Motion
 
 HERE = Path(__file__).parent / "export"
 SAMPLE = 0.05
-"""Seconds of a sample, about."""
+"""Approximate duration of a sample [s]."""
 
 LIBRARY = "-lfuzzylite-static"
 
 ROBOTS = ("psp3", "five_bar", "delta", "gough_stewart", "hexa")
 PERIOD = 2.0
-"""Of the motion of a robot [s]; from one of its states to the next are 10 ms."""
+"""Duration of a robot's motion [s]; its states are 10 ms apart."""
 
 
 @dataclass(frozen=True)
 class Contender:
-    """A function in C, and what calls the same from Python for each of its inputs."""
+    """A function in C, and the equivalent call from Python for each of its inputs."""
 
     name: str
     thing: Any
@@ -58,7 +58,7 @@ class Contender:
     calls: list[Callable[[], object]]
     fll: str | None = None
     inputs: Mapping[str, Array] | None = None
-    """What C is called with, where it is not what the test of its folder has."""
+    """Inputs of the C function, if they differ from those of its folder's test."""
 
 
 def systems() -> dict[str, Any]:
@@ -85,14 +85,14 @@ def systems() -> dict[str, Any]:
 
 
 def finite(*inputs: Array) -> list[tuple[Array, ...]]:
-    """Return the rows of inputs that are numbers, as the timed program takes them."""
+    """Return the finite rows of inputs, for the timed program."""
     return [
         rows for rows in zip(*inputs, strict=True) if all(np.isfinite(row).all() for row in rows)
     ]
 
 
 def of_systems() -> list[Contender]:
-    """Return the contenders of fuzzy logic alone."""
+    """Return the fuzzy systems among the contenders."""
     found = []
     for name, system in systems().items():
         calls: list[Callable[[], object]] = [
@@ -129,7 +129,7 @@ def of_controllers() -> list[Contender]:
 
 
 def of_robots() -> list[Contender]:
-    """Return inverse and forward dynamics of robots, round a motion that they can make."""
+    """Return inverse and forward dynamics of robots, over a feasible motion."""
     found = []
     for name in ROBOTS:
         robot = psp3.load(name)
@@ -151,7 +151,7 @@ def of_robots() -> list[Contender]:
 
 
 class Timed:
-    """A contender's program in C, and fuzzylite's where it takes part."""
+    """A contender's program in C, and fuzzylite's if it takes part."""
 
     def __init__(self, contender: Contender, folder: Path) -> None:
         self.contender, self.folder = contender, folder
@@ -184,7 +184,7 @@ class Timed:
         return "fuzzylite"
 
     def _rounds(self, timed: Callable[[int], float], rounds: int) -> int:
-        """Return so many rounds that a sample takes as long as it should."""
+        """Return the number of rounds for a sample of the right duration."""
         a_round = timed(rounds) * 1e-9 * len(self.contender.calls)
         return max(1, round(SAMPLE / max(a_round, 1e-7)))
 
@@ -199,9 +199,9 @@ class Timed:
         return self._answers(rounds)[0]
 
     def difference(self) -> float:
-        """Return by how much fuzzylite's outputs differ at most, where it has any.
+        """Return the greatest difference of fuzzylite's outputs, if it has any.
 
-        It passes over rules that fire by less than 1e-6.
+        It ignores rules with a firing strength below 1e-6.
         """
         return float(np.nanmax(np.abs(self._answers(1)[1] - self.contender.thing(self.rows))))
 
@@ -230,7 +230,7 @@ class Timed:
 
 
 def measured(timed: Timed, rounds: int) -> dict[str, list[float]]:
-    """Return samples in turns, in microseconds, by who computes."""
+    """Return interleaved samples, in microseconds, by implementation."""
     ways: dict[str, Callable[[], float]] = {
         "C": lambda: timed.c(timed.rounds["C"]),
         "Python": timed.python,
@@ -245,7 +245,7 @@ def measured(timed: Timed, rounds: int) -> dict[str, list[float]]:
 
 
 def ratio(samples: dict[str, list[float]], name: str) -> dict[str, float]:
-    """Return how many times as long as C somebody takes: median of the turns, and quartiles."""
+    """Return an implementation's time over that of C: median and quartiles."""
     turns = np.divide(samples[name], samples["C"])
     low, middle, high = np.quantile(turns, [0.25, 0.5, 0.75])
     return {"median": float(middle), "low": float(low), "high": float(high)}

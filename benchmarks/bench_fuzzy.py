@@ -1,16 +1,16 @@
-"""Measure fuzzy2 beside the fuzzy libraries that are installed, and how its cost grows.
+"""Compare fuzzy2 with the installed fuzzy libraries, and measure how its cost grows.
 
 Run by ``make bench``.
 
-The system is the one of the thesis's estimators: 4 inputs with 2 Gaussian terms of uncertain mean
-each, 16 rules, 21 outputs, center of sets. See ``timing.py`` for how calls are timed.
+The system is that of the thesis's estimators: 4 inputs with 2 Gaussian terms of uncertain mean
+each, 16 rules, 21 outputs, center of sets. ``timing.py`` explains how calls are timed.
 
-The peers are no dependencies. Where ``ferrifuzz`` or ``pyit2fls`` can be imported they take part,
-and whether they solve the same problem is printed. Ferrifuzz has no Gaussian of uncertain mean, but
-any pair of Gaussians; the footprint of uncertain standard deviation stands for it, at the same
-cost. PyIT2FLS takes part twice: its center of sets computes the centroids of the consequents in
-every call, which fuzzy2 does once, when the system is made; its TSK system with constant
-consequents is spared them.
+The other libraries are not dependencies. ``ferrifuzz`` and ``pyit2fls`` take part if they can be
+imported, and the output says whether they solve the same problem. Ferrifuzz has no Gaussian of
+uncertain mean, but any pair of Gaussians, so uncertain standard deviation replaces it, at the same
+cost. PyIT2FLS takes part twice. Its center of sets computes the centroids of the consequents in
+every call, while fuzzy2 does this once, when the system is made. Its TSK system with constant
+consequents has no centroids.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ from fuzzy2.sets.shapes import Gaussian
 from fuzzy2.systems import GeneralType2System, IntervalType2System, Type1System
 
 Peer: TypeAlias = tuple[Callable[[], object], NDArray[np.float64], NDArray[np.float64]]
-"""A call, what it returns, and what fuzzy2 returns for the same system."""
+"""A call, its return value, and that of fuzzy2 for the same system."""
 
 INPUTS, OUTPUTS, BATCH = 4, 21, 10_000
 X = np.array([0.31, -0.22, 0.47, 0.05])
@@ -90,7 +90,7 @@ def interval_system(
 
 
 def contenders() -> dict[str, Callable[[], object]]:
-    """Return functions to time, by name, all of one input."""
+    """Return functions to time, by name, all with the same input."""
     system = interval_system()
     rules, consequents = rule_base()
     type1 = Type1System([[Gaussian(-1.0, 0.6), Gaussian(1.0, 0.6)]] * INPUTS, rules, consequents)
@@ -131,7 +131,7 @@ def contenders() -> dict[str, Callable[[], object]]:
 
 
 def same_system(consequents: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return what fuzzy2 gives for the system of the peers.
+    """Return fuzzy2's outputs for the system of the other libraries.
 
     Its terms have uncertain standard deviations.
     """
@@ -174,7 +174,7 @@ def ferrifuzz() -> Peer:
 def pyit2fls() -> Peer:
     """Return the call of the system in PyIT2FLS, its outputs, and those of fuzzy2.
 
-    Sets are its consequents.
+    Its consequents are sets.
     """
     import pyit2fls as peer
 
@@ -188,7 +188,7 @@ def pyit2fls() -> Peer:
 
     call = _filled(system, universe, conclude)
     outputs = [sum(interval) / 2.0 for interval in call().values()]
-    # The same centroids: of the same sets, sampled at the same points.
+    # The centroids are the same: of the same sets, sampled at the same points.
     sets = [
         [GaussianUncertainSigma(mean=value, sigma=(0.5, 0.7)) for value in row]
         for row in rule_base()[1].tolist()
@@ -205,7 +205,7 @@ def pyit2fls() -> Peer:
 def pyit2fls_tsk() -> Peer:
     """Return the call of the system in PyIT2FLS, its outputs, and those of fuzzy2.
 
-    Numbers are its consequents.
+    Its consequents are numbers.
     """
     import pyit2fls as peer
 
@@ -290,7 +290,7 @@ def growth_of_centroids(rounds: int) -> dict[str, dict[str, float]]:
 
 
 def centroid_and_kernel(rounds: int) -> dict[str, float]:
-    """Return microseconds of one exact centroid of 100 points, and of the search in it alone."""
+    """Return microseconds of one exact centroid of 100 points, and of its search alone."""
     fuzzy_set, x = GaussianUncertainMean(mean=(4.0, 6.0), sigma=1.5), np.linspace(0.0, 10.0, 100)
     low, high = fuzzy_set.lower(x), fuzzy_set.upper(x)
     below, above = np.empty(100), np.empty(100)
@@ -305,7 +305,7 @@ def centroid_and_kernel(rounds: int) -> dict[str, float]:
 
 
 def print_centroid(medians: dict[str, float], calls: dict[str, float]) -> None:
-    """Print what a centroid costs beside its kernel, and type-1 beside interval type-2."""
+    """Print a centroid's time relative to its kernel, and type-1 relative to type-2."""
     for what, ratio, bar in (
         (f"{CENTROID}, in times of {ITS_KERNEL}", medians[CENTROID] / medians[ITS_KERNEL], KERNELS),
         ("a batch of type-1 / interval type-2", calls[TYPE1_ITEM] / calls[BATCH_ITEM], TYPE1_SHARE),
@@ -316,7 +316,7 @@ def print_centroid(medians: dict[str, float], calls: dict[str, float]) -> None:
 def print_growth(title: str, tables: dict[str, dict[str, float]]) -> None:
     """Print rows of times with the growth exponent of each.
 
-    1 is linear, and N log N from 100 to 100 000 is 1.13.
+    An exponent of 1 is linear; N log N from 100 to 100 000 gives 1.13.
     """
     for name, times in tables.items():
         counts = [int(count) for count in times]
@@ -328,9 +328,9 @@ def print_growth(title: str, tables: dict[str, dict[str, float]]) -> None:
 
 
 def batch_memory() -> dict[str, float]:
-    """Return the peak of memory that a batch takes beyond its inputs.
+    """Return the peak memory of a batch in addition to its inputs.
 
-    In bytes an item, by the size of the batch.
+    It is in bytes per item, by the size of the batch.
     """
     system = interval_system()
     peaks = {}
@@ -346,8 +346,8 @@ def batch_memory() -> dict[str, float]:
 def import_seconds(rounds: int) -> dict[str, float]:
     """Return median wall times of fresh interpreters.
 
-    That import NumPy alone, and with fuzzy2, whose names are imported when they are first used, and
-    with a first call.
+    They import NumPy alone, NumPy and fuzzy2 (whose names are imported at first use), or both with
+    a first call.
     """
     first_call = "fuzzy2.GaussianUncertainMean(mean=(4.0, 6.0), sigma=1.5).centroid()"
     programs = {

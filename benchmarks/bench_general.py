@@ -1,8 +1,8 @@
-"""Measure robots with loops in general beside Pinocchio, MuJoCo and Drake.
+"""Compare robots with loops with Pinocchio, MuJoCo and Drake.
 
-Also how the cost grows with the loops. Run by ``make bench``.
+It also measures how the cost grows with the number of loops. Run by ``make bench``.
 
-See ``timing.py`` for how.
+``timing.py`` explains how calls are timed.
 """
 
 from __future__ import annotations
@@ -49,16 +49,16 @@ BARS = {
     EQUATION: (MJ_FORWARD, 5.0),
     DERIVATIVES: (TREE, 12.0),
 }
-"""What a time is compared with, and how many times as long it may be, on each robot."""
+"""The reference of each time, and the largest allowed ratio, on each robot."""
 
 PERIOD_BARS = {"five_bar": 1.4, "gough_stewart": 2.0}
-"""The same, of 250 periods: four exact evaluations against one with soft loops."""
+"""The same for 250 periods: four exact evaluations against one with soft loops."""
 
 MEAN_BARS = {INVERSE: 1.0, FORWARD: 1.4}
-"""The same, of the geometric mean over the robots."""
+"""The same for the geometric mean over the robots."""
 
 GROWTH_BAR = 1.15
-"""Of the power of the number of loops with which the time grows."""
+"""Largest allowed exponent of the growth of time with the number of loops."""
 
 
 def state_of(robot: psp3.ClosedLoopRobot, rng: np.random.Generator) -> tuple[np.ndarray, ...]:
@@ -76,13 +76,13 @@ def state_of(robot: psp3.ClosedLoopRobot, rng: np.random.Generator) -> tuple[np.
 
 
 def to_and_fro(positions: np.ndarray) -> Iterator[np.ndarray]:
-    """Return positions without end that move as in a control loop, by 0.2 mm or mrad a call."""
+    """Yield positions that move as in a control loop, by 0.2 mm or mrad per call."""
     way = [positions + 2e-4 * step for step in range(50)]
     return itertools.cycle([*way, *reversed(way)])
 
 
 def contenders(name: str) -> dict[str, Callable[[], object]]:
-    """Functions to time on one robot, by name, all near the same state."""
+    """Return functions to time on one robot, by name, all near the same state."""
     robot = psp3.load(name)
     tree = robot.dynamics("core") if isinstance(robot, psp3.PSP3) else robot
     rng = np.random.default_rng(0)
@@ -113,7 +113,7 @@ def contenders(name: str) -> dict[str, Callable[[], object]]:
 def constraint_dynamics(
     robot: psp3.ClosedLoopRobot, q: np.ndarray, v: np.ndarray, forces: np.ndarray
 ) -> Callable[[], object]:
-    """Return Pinocchio's own call, without what our wrapper adds."""
+    """Return Pinocchio's own call, without the cost of our wrapper."""
     model, data = robot.model, robot.model.createData()
     loops, loop_data = robot.constraint_models, pin.StdVec_RigidConstraintData()
     for loop in loops:
@@ -129,7 +129,7 @@ def constraint_dynamics(
 
 
 def periods(name: str) -> dict[str, Callable[[], object]]:
-    """Half a second under the forces that hold the robot, by our plant and by MuJoCo's step."""
+    """Return half a second under holding forces, with our plant and with MuJoCo's step."""
     import mujoco
 
     from psp3.robots.mjcf_export import mujoco_state, to_mjcf
@@ -161,7 +161,7 @@ def periods(name: str) -> dict[str, Callable[[], object]]:
 def mujoco_calls(
     robot: psp3.ClosedLoopRobot, q: np.ndarray, v: np.ndarray
 ) -> dict[str, Callable[[], object]]:
-    """MuJoCo's dynamics of the exported robot, its loops soft constraints as exported."""
+    """Return MuJoCo's dynamics of the exported robot, with loops as soft constraints."""
     try:
         import mujoco
     except ImportError:
@@ -180,7 +180,7 @@ def mujoco_calls(
 def drake_calls(
     name: str, robot: psp3.ClosedLoopRobot, q: np.ndarray, v: np.ndarray
 ) -> dict[str, Callable[[], object]]:
-    """Drake's discrete step of 2 ms of the URDF, where Drake is installed.
+    """Return Drake's discrete step of 2 ms for the URDF, if Drake is installed.
 
     Its loops are constraints of the contact solver.
     """
@@ -192,7 +192,7 @@ def drake_calls(
         return {}
     from psp3.description.loop_file import read_loops
 
-    # It warns of the nuts' inertia, which the README of the robot files explains.
+    # Drake warns about the nuts' inertia, which the README of the robot files explains.
     logging.getLogger("drake").setLevel(logging.ERROR)
     plant = MultibodyPlant(time_step=2e-3)
     plant.SetUseSampledOutputPorts(False)
@@ -223,7 +223,7 @@ def drake_calls(
     plant.SetPositionsAndVelocities(context, state)
 
     def step() -> object:
-        # A changed input, so that the step of before is not handed out again.
+        # The input changes, because Drake would otherwise return the cached step.
         plant.get_actuation_input_port().FixValue(
             context, np.zeros(plant.num_actuators())
         ) if plant.num_actuators() else None
@@ -234,7 +234,7 @@ def drake_calls(
 
 
 def chain_functions(count: int) -> dict[str, Callable[[], object]]:
-    """Return the functions whose cost is to grow with the number of loops."""
+    """Return the functions whose cost is measured against the number of loops."""
     robot = five_bar_chain(count)
     positions, speeds, accelerations, forces = state_of(robot, np.random.default_rng(count))
     pose, moving = robot.last_pose(), to_and_fro(positions)
@@ -295,7 +295,7 @@ def main() -> None:
 
 
 def show_robot(name: str, medians: dict[str, float]) -> None:
-    """Print the times of one robot, with those that they are compared with."""
+    """Print the times of one robot with their references."""
     bars = dict(BARS)
     if name in PERIOD_BARS:
         bars[PERIODS] = MJ_PERIODS, PERIOD_BARS[name]

@@ -1,9 +1,9 @@
-"""Measure one call from Python of the robot's functions.
+"""Measure one call of the robot's functions from Python.
 
-Beside Pinocchio and MuJoCo on the same tree, and of batches, state by state and many at a time, on
-one core and on all. Run by ``make bench``.
+They are compared with Pinocchio and MuJoCo on the same tree. Batches are measured state by state
+and many states at a time, on one core and on all. Run by ``make bench``.
 
-See ``timing.py`` for how.
+``timing.py`` explains how calls are timed.
 """
 
 from __future__ import annotations
@@ -41,14 +41,14 @@ BARS = {
 
 BATCHES = (10_000, 100_000)
 STATE_BY_STATE, ONE_CORE, ALL_CORES = "state by state", "many states, one core", "all cores"
-# Of many states on one core beside state by state; in CPU time.
+# Ratio of many states at a time on one core to state by state, in CPU time.
 BATCH_BAR = 0.3
-# Of two cores, beside one: in wall time on a machine with nothing else to do, and in CPU time.
+# Ratios of two cores to one: wall time on an idle machine, and CPU time.
 SPEED_UP_BAR, CPU_BAR = 1.7, 1.1
 
 
 def contenders() -> dict[str, Callable[[], object]]:
-    """Functions to time, by name, all at the same state."""
+    """Return functions to time, by name, all at the same state."""
     robot = psp3.load("psp3")
     heights, speeds = np.array([0.15, 0.25, 0.17]), np.array([0.25, 0.22, 0.20])
     accelerations, forces = np.array([0.1, -0.2, 0.3]), np.array([86.0, 87.0, 88.0])
@@ -97,9 +97,10 @@ def contenders() -> dict[str, Callable[[], object]]:
 
 
 def batch_times(rows: int, rounds: int = 200) -> dict[str, dict[str, float]]:
-    """Median wall and CPU time of inverse dynamics in microseconds a state, by how it is done.
+    """Return median wall and CPU times of inverse dynamics [µs per state] by method.
 
-    CPU time is that of all threads. One core is what this thread is bound to while it is measured.
+    CPU time is that of all threads. For one core, this thread is bound to a core during the
+    measurement.
     """
     robot, rng = psp3.load("psp3"), np.random.default_rng(0)
     heights, speeds = rng.uniform(0.1, 0.3, (rows, 3)), rng.uniform(-0.3, 0.3, (rows, 3))
@@ -153,7 +154,7 @@ def print_batches(batches: dict[str, dict[str, dict[str, float]]]) -> None:
         one, two = times[ONE_CORE], times[ALL_CORES]
         ratio = one["cpu"] / times[STATE_BY_STATE]["cpu"]
         print(f"{'CPU beside state by state':45s}{ratio:9.2f}{bar_and_verdict(ratio, BATCH_BAR)}")
-        # The bars are those of two cores; the short batch is too short for a second thread.
+        # The bars are for two cores, and the short batch is too short for a second thread.
         speed_up, cpu = one["wall"] / two["wall"], two["cpu"] / one["cpu"]
         bars = (SPEED_UP_BAR, CPU_BAR) if cores == 2 and int(rows) == max(BATCHES) else (None, None)
         print(
@@ -164,7 +165,7 @@ def print_batches(batches: dict[str, dict[str, dict[str, float]]]) -> None:
 
 
 def simulation_times(rounds: int = 5) -> dict[str, float]:
-    """Median wall time of a 10 s simulation at 2 ms in seconds, by controller."""
+    """Return the median wall time of a 10 s simulation at 2 ms [s], by controller."""
     robot = psp3.load("psp3")
     helix = psp3.trajectories.Helix(robot=robot)
     times = {}

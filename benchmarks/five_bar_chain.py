@@ -1,6 +1,6 @@
-"""Chains of planar five-bar linkages, each standing on the tip of the one before.
+"""Chains of planar five-bar linkages, each mounted on the tip of the one before.
 
-Any number of loops to measure scaling with.
+They have any number of loops, to measure scaling.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ BASE, NEAR, FAR = 0.3, 0.25, 0.35
 def five_bar_chain(count: int) -> psp3.ClosedLoopRobot:
     """Return a robot of ``count`` five-bars in the vertical plane.
 
-    4 count joints, 2 count motors, count loops closed at a point.
+    It has 4 ``count`` joints, 2 ``count`` motors, and ``count`` loops closed at a point.
     """
     model, loops = pin.Model(), pin.StdVec_RigidConstraintModel()
     upright = pin.SE3(pin.utils.rotate("x", np.pi / 2.0), np.zeros(3))
@@ -30,8 +30,9 @@ def five_bar_chain(count: int) -> psp3.ClosedLoopRobot:
             number, "left", stand, foot * pin.SE3(np.eye(3), np.array([-0.5 * BASE, 0.0, 0.0]))
         )
         if number + 1 < count:
-            # The next one stands on the left far link's end, turned back upright. Its joints come
-            # before the right leg's: Pinocchio wants every chain finished before the next is begun.
+            # The next five-bar is mounted upright on the left far link's end. Its joints come
+            # before those of the right leg, because Pinocchio needs every chain complete before the
+            # next begins.
             linkage(
                 number + 1,
                 left,

@@ -1,10 +1,10 @@
-"""What the benchmarks share.
+"""Common functions of the benchmarks.
 
-Medians of interleaved samples, what an empty compiled call costs, results on disk.
+They are medians of interleaved samples, the time of an empty compiled call, and files of results.
 
-Many short runs of every function, one after another, so that a slow spell of the machine hits all
-alike. Ratios compare within one run; absolute times depend on the machine. An empty compiled call
-shows what a call costs before anything is computed.
+Every function has many short runs, interleaved with those of the others, so a slow spell of the
+machine affects all alike. Ratios are valid within one run; absolute times depend on the machine. An
+empty compiled call shows the overhead of a call.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import numpy as np
 from fuzzy2.support.compiled import compiled
 
 EMPTY_CALL = "empty compiled call"
-# [us] what an empty compiled call may cost for the bars to hold as they are
+# [us] time of an empty compiled call up to which the bars hold unchanged
 REFERENCE_EMPTY_CALL = 0.8
 
 
@@ -33,13 +33,13 @@ def _empty(x: Any, y: Any) -> int:
 
 
 def empty_call() -> Callable[[], object]:
-    """Return a call of a compiled function of two small arrays that does nothing."""
+    """Return a call of a compiled function that takes two small arrays and does nothing."""
     x, y = np.zeros(3), np.zeros(3)
     return lambda: _empty(x, y)
 
 
 def measure(functions: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, float]:
-    """Return the median CPU time of one call in microseconds, by name, of the calling thread."""
+    """Return the calling thread's median CPU time of one call [µs], by name."""
     samples: dict[str, list[float]] = {name: [] for name in functions}
     loops = {}
     for name, function in functions.items():
@@ -47,8 +47,8 @@ def measure(functions: Mapping[str, Callable[[], object]], rounds: int) -> dict[
         start = time.thread_time()
         for _ in range(5):
             function()
-        # About two milliseconds a sample: long against the clock and cold caches, short against
-        # what disturbs.
+        # About two milliseconds per sample: long compared with the clock's resolution and cold
+        # caches, and short compared with disturbances.
         loops[name] = max(1, round(2e-3 / ((time.thread_time() - start) / 5 + 1e-9)))
     for _ in range(rounds):
         for name, function in functions.items():
@@ -63,15 +63,15 @@ def measure(functions: Mapping[str, Callable[[], object]], rounds: int) -> dict[
 def bar_scale(medians: Mapping[str, float]) -> float:
     """Return the factor by which bars are raised on a slow machine.
 
-    There even an empty compiled call is slower than it should be.
+    On such a machine even an empty compiled call is slower than expected.
     """
     return max(1.0, medians[EMPTY_CALL] / REFERENCE_EMPTY_CALL)
 
 
 def bar_and_verdict(value: float, bar: float | None, at_least: bool = False) -> str:
-    """Return the column of a table that shows a bar and whether the value meets it.
+    """Return the cell that shows a bar and whether the value meets it.
 
-    Both are there if there is a bar.
+    It is empty without a bar.
     """
     if bar is None:
         return f"{'':>11s}"
@@ -88,6 +88,6 @@ def environment(*packages: str) -> dict[str, str]:
 
 
 def write_results(path: Path, results: Mapping[str, Any]) -> None:
-    """Write results as JSON, with the directory they go to."""
+    """Write results as JSON, and make their directory."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")

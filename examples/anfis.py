@@ -1,4 +1,4 @@
-"""ANFIS: rules that learn to predict a series, and say what they have learned."""
+"""ANFIS: rules learn to predict a series, and are printed as text."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Inverse dynamics of a Delta: what its three motors need, the faster it moves."""
+"""Inverse dynamics of a Delta robot: torque and power of its motors at increasing speed."""
 
 import numpy as np
 

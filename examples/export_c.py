@@ -1,4 +1,4 @@
-"""A fuzzy system for a microcontroller: two files of C99, and a test that they agree."""
+"""A fuzzy system for a microcontroller: two C99 files, and a test against Python."""
 
 import fuzzy2
 from fuzzy2.export.project import export_project

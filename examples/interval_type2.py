@@ -1,11 +1,11 @@
-"""Interval type-2: how unsure the words are becomes an interval about the answer."""
+"""Interval type-2: the uncertainty of words becomes an interval around the output."""
 
 import fuzzy2
 from fuzzy2.plots.sets import figure_of_sets
 
 rules = "IF room is cold THEN heating is on \n IF room is warm THEN heating is off"
 for doubt in (0.0, 0.5, 1.5):
-    # Two people mean by "cold" temperatures that differ by twice the doubt.
+    # Two people's meanings of "cold" differ by twice the doubt.
     cold = fuzzy2.GaussianUncertainMean(mean=(18.0 - doubt, 18.0 + doubt), sigma=3.0)
     warm = fuzzy2.GaussianUncertainMean(mean=(24.0 - doubt, 24.0 + doubt), sigma=3.0)
     system = fuzzy2.IntervalType2System(

@@ -1,4 +1,4 @@
-"""A fuzzy controller that learns the robot's dynamics, beside PD and the exact model."""
+"""A fuzzy controller that learns the robot's dynamics, compared with PD and the exact model."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""A robot of your own: a URDF and a loop file become its dynamics, and a page that shows it."""
+"""A robot of your own: load a URDF and a loop file, compute its dynamics, and animate it."""
 
 from pathlib import Path
 

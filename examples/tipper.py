@@ -1,4 +1,4 @@
-"""The tipping problem: two inputs, three rules in words, and what the tip is over all of them."""
+"""The tipping problem: two inputs, three rules in words, and the tip over all inputs."""
 
 import fuzzy2
 from fuzzy2.plots.systems import figure_of_rule_surface

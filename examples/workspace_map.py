@@ -1,4 +1,4 @@
-"""The workspace of a five-bar linkage: where its tip can go, and where it is singular."""
+"""The workspace of a five-bar linkage: reachable positions of the tip, and singularities."""
 
 import numpy as np
 

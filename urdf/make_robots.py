@@ -1,13 +1,12 @@
-"""Write the files of all robots but the 3-PSP.
+"""Write the files of all robots except the 3-PSP.
 
 ``<name>.urdf``, ``.srdf`` and ``.yaml``, or ``<name>.xml``.
 
 Run by ``python urdf/make_robots.py [directory]``.
 
-Every length is in the module of its robot, in ``making``, once, and every mass and inertia is
-computed from the solids that are drawn: a box, a ball, a rod or a tube of the density of its
-material. What a frame stands on is drawn but never moves, so it has no mass. README.md says where
-the numbers come from.
+Every length is written once, in the module of its robot in ``making``. Every mass and inertia is
+computed from the drawn solids: a box, a ball, a rod or a tube with the density of its material. The
+base is drawn but never moves, so it has no mass. README.md gives the sources of the numbers.
 """
 
 from __future__ import annotations

@@ -53,6 +53,6 @@ int main(int words, char **word)
         }
     }
     printf("%.17g\n", (double)(clock() - start) / CLOCKS_PER_SEC * 1e9 / (double)(rounds * count));
-    /* The sum is used, so that no call is left out. */
+    /* The sum is used, so the compiler cannot remove a call. */
     return sum == 0.123;
 }

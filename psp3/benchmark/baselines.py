@@ -1,12 +1,11 @@
 """The entries that come with the package.
 
-All have the same servo: gains of computed torque are those of the task, feedback of PD is theirs
-times the mass matrix of the reference pose, and the regulator's weights are chosen for the same
-stiffness and, where a regulator can have it, the same damping. What they know of the robot, the
-board says.
+All have the same servo. Computed torque has the gains of the task. PD has these gains times the
+mass matrix of the reference pose. The weights of the regulator are chosen for the same stiffness
+and, if possible, the same damping. The board says what each entry knows about the robot.
 
-The fuzzy ones are told the signal-to-noise ratio, from which the footprint of type-2 follows
-(:func:`fuzzy2.mean_variation_from_snr`), as in the thesis. Nobody else is.
+Only the fuzzy entries are given the signal-to-noise ratio, which sets the footprint of uncertainty
+of type-2 (:func:`fuzzy2.mean_variation_from_snr`), as in the thesis.
 """
 
 from __future__ import annotations
@@ -31,13 +30,13 @@ from psp3.fuzzy_control.records import NOISE_OF_THE_STUDY
 from psp3.fuzzy_control.rule_bases import LEARNERS
 
 REFERENCE = "ctc"
-"""Name of exact computed torque, to which efforts are compared; it takes part in every board."""
+"""Name of exact computed torque, the reference for efforts; it is on every board."""
 
 CLUSTERS = 8
-"""Rules of ANFIS, one for each cluster of the samples."""
+"""Number of rules of ANFIS, one for each cluster of the samples."""
 
 EPOCHS = 20
-"""Epochs of ANFIS at most."""
+"""Greatest number of epochs of ANFIS."""
 
 
 def _computed_torque(course: Course) -> Controller:
@@ -55,8 +54,9 @@ def _regulator(course: Course) -> Controller:
     r"""Return the regulator that weighs accelerations against positions and speeds.
 
     With :math:`R = M^{-2}` and :math:`Q` of :math:`k_p^2` and :math:`k_v^2 - 2 k_p` a unit mass
-    would get the gains :math:`k_p` and :math:`k_v`. No regulator has a damping ratio below
-    :math:`1 / \sqrt 2`, which is that of no weight on speeds: servos with less get that.
+    would get the gains :math:`k_p` and :math:`k_v`. A regulator's damping ratio is at least
+    :math:`1 / \sqrt 2`, its value without weight on speeds, so servos with less damping get this
+    one.
     """
     task: Any = course.task
     inverse = np.linalg.inv(task.robot.mass_matrix(task.robot.reference))
@@ -67,7 +67,7 @@ def _regulator(course: Course) -> Controller:
 
 
 def _fuzzy(kind: str, learner: str, course: Course) -> FuzzyComputedTorque:
-    """Return the fuzzy controller, which draws the same noise on the same samples as a lesson."""
+    """Return the fuzzy controller; it draws the same noise on the same samples as a lesson."""
     task, noise = course.task, None
     if course.reading != NONE:
         noise = READINGS[course.reading].noise
@@ -122,4 +122,4 @@ BASELINES: dict[str, Entry] = {
 """Entries that come with the package, by name."""
 
 NEED_SCIKIT_LEARN = ("gaussian-process", "neural-network", "ridge")
-"""Those that need scikit-learn."""
+"""Entries that need scikit-learn."""

@@ -47,7 +47,7 @@ from psp3.study import cluster
 from psp3.study.interrupts import Interrupts, noted_interrupts
 
 ALL = "all"
-"""Stands for all entries that come with the package."""
+"""Name that stands for all entries of the package."""
 
 FILE, PAGE, NUMBERS = "benchmark.sqlite", "benchmark.html", "benchmark.json"
 """Names of the files of a benchmark in its directory."""
@@ -56,15 +56,15 @@ Progress = Callable[[int, int, float], None]
 
 
 class Benchmark(Described):
-    """Entries, and what they are asked to do.
+    """Entries, and the trials that they do.
 
-    Without noise an entry runs once, unless it draws random numbers; what sees no noise of a
-    reading runs as without.
+    Without noise an entry runs once, unless it draws random numbers. An entry that does not see the
+    noise of a reading runs as without noise.
 
     Parameters
     ----------
     directory : path
-        Where outcomes are kept; made by :meth:`run` if it is not there.
+        Directory of the outcomes; :meth:`run` makes it if it does not exist.
     entries : sequence of str or Entry
         Names of :data:`psp3.benchmark.baselines.BASELINES`, ``"all"`` for all of them, files of
         entries (they end in ``.py``), or entries. Exact computed torque always takes part.
@@ -75,15 +75,15 @@ class Benchmark(Described):
     levels : sequence of float
         Signal-to-noise ratios of each reading [dB].
     seeds : int
-        Number of seeds, from 0 on.
+        Number of seeds, counted from 0.
     duration, period : float
         Length of each run and control period [s].
 
     Raises
     ------
     UnknownName, InvalidValue, InvalidEntry
-        If a name is unknown, a number is outside of what it can be, a file is no entry, or two
-        entries have one name.
+        If a name is unknown, a number is out of range, a file is not an entry, or two entries have
+        the same name.
     MissingPackage
         If an entry needs scikit-learn, and it is not installed.
     """
@@ -151,18 +151,18 @@ class Benchmark(Described):
 
     @property
     def conditions(self) -> tuple[tuple[str, float], ...]:
-        """Readings with their ratios, first none."""
+        """Readings with their ratios; the first is no noise."""
         return ((NONE, math.inf), *itertools.product(self.readings, self.levels))
 
     def trials(self, seeds: int | None = None) -> Iterator[Trial]:
-        """Yield the trials of an entry whose every outcome depends on the seed.
+        """Yield the trials of an entry, as if every outcome depended on the seed.
 
-        Seeds vary slowest, so that what was stopped holds whole comparisons.
+        Seeds vary slowest, so a benchmark that was stopped holds complete comparisons.
 
         Raises
         ------
         InvalidValue
-            If the number of seeds is none.
+            If the number of seeds is invalid.
         """
         count = self.seeds if seeds is None else checked_count("seeds", seeds, 1, MOST_SEEDS)
         for seed in range(count):
@@ -176,25 +176,26 @@ class Benchmark(Described):
         scheduler: str | None = None,
         progress: Progress | None = None,
     ) -> int:
-        """Do the trials that are not yet in the file; each is kept when it is done.
+        """Do the trials that are not in the file; each is kept when it is done.
 
-        What an entry raised is tried again.
+        Trials in which an entry raised an error are repeated.
 
         Parameters
         ----------
         workers : int, optional
-            Number of processes, all cores of this process unless given; 1 is this process.
+            Number of processes; by default the number of cores of this process. With 1 this process
+            does the trials.
         scheduler : str, optional
             Address ``tcp://host:port`` of a dask scheduler, whose workers then do the trials. They
-            have one thread each (``dask worker --nthreads 1``), since steps are timed.
+            must have one thread each (``dask worker --nthreads 1``), because steps are timed.
         progress : callable, optional
-            Called with the number of trials that are done, the number of all, and the rate since
+            Called with the number of finished trials, the number of all trials, and the rate since
             the start [1/s].
 
         Returns
         -------
         int
-            How many trials were done now.
+            Number of trials that this call did.
 
         Raises
         ------
@@ -203,15 +204,15 @@ class Benchmark(Described):
         InvalidStudyFile, StudyFileNotWritable
             If the file cannot be used.
         WorkersLost
-            If a process ended before its time.
+            If a worker process ended early.
         SchedulerUnavailable
             Before any work, if the scheduler or its workers cannot be used; later, if the
             connection is lost.
         StudyInterrupted
-            After Ctrl-C, at whatever moment; what was done stays.
+            After Ctrl-C at any moment; finished trials are kept.
         """
         if workers is not None and scheduler is not None:
-            raise InvalidValue("workers", workers, "left out where a scheduler has its own")
+            raise InvalidValue("workers", workers, "left out with a scheduler, which has its own")
         if scheduler is not None:
             cluster.host_and_port(scheduler)
         if progress is not None:
@@ -246,7 +247,7 @@ class Benchmark(Described):
         except BrokenProcessPool as error:
             assert session is not None
             if interrupts.came:
-                # Ctrl-C in a terminal reaches new processes before they leave it to this one.
+                # Ctrl-C in a terminal reaches new processes before they have been set to ignore it.
                 raise StudyInterrupted(path, session.done, session.total) from None
             raise WorkersLost(path, session.done, session.total) from error
         except CancelledError as error:
@@ -268,7 +269,7 @@ class Benchmark(Described):
         return wanted
 
     def board(self) -> Board:
-        """Return the scores of what is in the file."""
+        """Return the scores of the outcomes in the file."""
         there = OutcomeFile(self.directory / FILE).outcomes()
         own = {
             (entry, own_trial(entry, trial))
@@ -296,7 +297,7 @@ def _workers(
 
 
 class _Session:
-    """One call of :meth:`Benchmark.run`: what is done, and how fast."""
+    """The progress of one call of :meth:`Benchmark.run`."""
 
     def __init__(
         self,
@@ -318,6 +319,6 @@ class _Session:
     def report(self) -> None:
         if self._progress is not None:
             now, passed = self.done - self._there, time.monotonic() - self._start
-            # What others do with it may take long, or wait for somebody.
+            # The caller's ``progress`` may take long or wait for something.
             with self._interrupts.obeyed_at_once():
                 self._progress(self.done, self.total, now / passed if now else 0.0)

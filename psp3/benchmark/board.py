@@ -1,23 +1,23 @@
-r"""Scores: who tracks how well, with intervals, and the order of the board.
+r"""Scores of the entries with intervals, and their order on the board.
 
 A *cell* is a robot on a path under a reading of noise at a ratio. The error of a run is the root
-mean square of the tip's distance from where it should be, but at most the extent of the path, the
-largest distance between two of its points, and a run that diverged counts as much: whoever loses
-the robot is not better off than who never moves it. The score of a seed is the geometric mean of
+mean square of the tip's distance from its desired position, but at most the extent of the path,
+which is the largest distance between two of its points. A run that diverged counts as this extent,
+so losing the robot is no better than never moving it. The score of a seed is the geometric mean of
 the errors over all cells,
 
 .. math:: s_k = \exp \frac{1}{C} \sum_c \ln \min(e_{ck}, d_c),
 
-so that every cell counts the same, whatever its size; that of an entry is the geometric mean over
-the seeds. Entries are in the order of their scores. Two of them are compared seed by seed, which
-have the same noise: the interval of the ratio is Student's, on logarithms
-(:func:`psp3.study.statistics.ratio_of_geometric_means`). Intervals are for one comparison each; of
+so every cell has the same weight, whatever its size. The score of an entry is the geometric mean
+over the seeds, and entries are ordered by score. Two entries are compared seed by seed, because
+runs of one seed have the same noise: the interval of the ratio is Student's, on logarithms
+(:func:`psp3.study.statistics.ratio_of_geometric_means`). Each interval is for one comparison; of
 twenty, one is expected to miss.
 
-What no seed changes is done once and is one run, in every cell: neither intervals nor shares count
-copies of it. Only the score of a seed takes it for that seed, too.
+A run that does not depend on the seed is done once. Intervals and shares count it once, and only
+the scores of the seeds use it for every seed.
 
-An entry that raised an error anywhere has no score, and no place.
+An entry that raised an error in any trial has no score and no place.
 """
 
 from __future__ import annotations
@@ -45,11 +45,11 @@ from psp3.study.statistics import Estimate, ratio_of_geometric_means, share
 from psp3.version import __version__
 
 FORMAT = "psp3-benchmark-1"
-"""Mark of the numbers of a board."""
+"""Format mark of the numbers of a board."""
 
 
 class Cell(NamedTuple):
-    """What is done: a robot, a path, a reading of noise and its ratio [dB]."""
+    """A robot, a path, a reading of noise and its ratio [dB]."""
 
     robot: str
     path: str
@@ -58,7 +58,7 @@ class Cell(NamedTuple):
 
 
 class CellScore(NamedTuple):
-    """How an entry did in a cell: its ``error`` [m], and the share of runs that ``diverged``."""
+    """An entry's result in a cell: its ``error`` [m], and the share of runs that ``diverged``."""
 
     error: Estimate
     diverged: Estimate
@@ -66,23 +66,23 @@ class CellScore(NamedTuple):
 
 @dataclass(frozen=True)
 class Score:
-    """How an entry did.
+    """The result of an entry over all cells.
 
     Parameters
     ----------
     entry : Entry
         The entry.
     problem : str
-        What it raised first, or that trials are missing; empty for one that has a place.
+        The first error that it raised, or that trials are missing; empty if it has a place.
     error : Estimate
         Geometric mean over all cells [m], see :mod:`psp3.benchmark.board`.
     to_best, to_reference : Estimate
-        Ratio of that to the one of the best entry, and to that of exact computed torque.
+        Ratio of its error to that of the best entry, and to that of exact computed torque.
     diverged : float
-        Share of the runs of a cell, mean over the cells.
+        Share of the runs of a cell that diverged, mean over the cells.
     replaced : float
-        Share of estimates that were not finite or had no positive definite M, and were replaced by
-        the average of the samples, over runs that did not diverge.
+        Share of estimates that the average of the samples replaced, because they were not finite or
+        their M was not positive definite; over runs that did not diverge.
     step_time, training_time : float
         Medians over the trials [s].
     effort : float
@@ -111,7 +111,7 @@ class Board(Described):
     Parameters
     ----------
     entries : tuple of Entry
-        Who took part.
+        The entries that took part.
     outcomes : mapping of (str, Trial) to dict
         Outcomes by the name of the entry and its own trial
         (:func:`psp3.benchmark.trial.own_trial`), see :func:`psp3.benchmark.trial.execute`.
@@ -155,12 +155,12 @@ class Board(Described):
         }
 
     def extent(self, cell: Cell) -> float:
-        """Return the largest error of a cell [m], that of a run which diverged.
+        """Return the largest error of a cell [m], with which a diverged run counts.
 
         Raises
         ------
         InvalidValue
-            If it is no cell of this board.
+            If it is not a cell of this board.
         """
         if not isinstance(cell, tuple) or cell not in self.cells:
             raise InvalidValue("cell", cell, "one of the cells of this board")
@@ -168,7 +168,7 @@ class Board(Described):
 
     @cached_property
     def scores(self) -> tuple[Score, ...]:
-        """Scores: those with a place in their order, then those without."""
+        """Scores in the order of their places, then those without a place."""
         by_seed = self._by_seed
         whole = [entry for entry in self.entries if np.isfinite(by_seed[entry.name]).all()]
         whole.sort(key=lambda entry: float(np.log(by_seed[entry.name]).mean()))
@@ -179,7 +179,7 @@ class Board(Described):
     def ratio(self, name: str, other: str) -> Estimate:
         """Return the score of an entry over that of another one, paired by seed.
 
-        NaN if one of the two did not take part in everything.
+        It is NaN if one of the two did not do all trials.
 
         Raises
         ------
@@ -191,7 +191,7 @@ class Board(Described):
         return ratio_of_geometric_means(self._whole(name), self._whole(other))
 
     def _whole(self, name: str) -> Array:
-        """Return the scores of all seeds of an entry, NaN where one of them lacks."""
+        """Return the scores of all seeds of an entry, NaN if one is missing."""
         found = self._by_seed.get(name)
         is_whole = found is not None and bool(np.isfinite(found).all())
         return found if found is not None and is_whole else np.full(self.seeds, np.nan)
@@ -214,7 +214,7 @@ class Board(Described):
         return tuple(score for score in self.scores if not score.problem)
 
     def _trials(self, name: str, cell: Cell) -> list[Trial]:
-        """Return the trial of each seed: the same one where the seed changes nothing."""
+        """Return the trial of each seed; the same one if it does not depend on the seed."""
         return [
             own_trial(
                 self._named[name],
@@ -224,12 +224,12 @@ class Board(Described):
         ]
 
     def _each_once(self, name: str, cell: Cell, by_seed: Array) -> Array:
-        """Return the numbers of a cell's runs without those of copies."""
+        """Return the numbers of a cell's runs, without copies."""
         trials = self._trials(name, cell)
         return by_seed[[trials.index(trial) for trial in dict.fromkeys(trials)]]
 
     def _per_seed(self, name: str, cell: Cell, value: Callable[[dict[str, Any]], float]) -> Array:
-        """Return a number of the run of each seed, NaN where there is none."""
+        """Return a number of each seed's run, NaN if there is none."""
         if name not in self._named:
             return np.full(self.seeds, np.nan)
         found = (self._outcomes.get((name, trial)) for trial in self._trials(name, cell))
@@ -314,9 +314,9 @@ class Board(Described):
         return "not all of its trials are done"
 
     def as_numbers(self) -> dict[str, Any]:
-        """Return the board for a machine, as ``schema.json`` beside this module describes it.
+        """Return the board as data in the form of ``schema.json`` beside this module.
 
-        Numbers that are not there, or not finite, are None.
+        Numbers that are missing or not finite are None.
         """
         content = {
             "format": FORMAT,

@@ -1,16 +1,16 @@
-"""Entries: what takes part in the benchmark, by name or from a file.
+"""Entries of the benchmark, by name or from a file.
 
 A file of an entry has one class, of one of two kinds:
 
-* a *regressor* with ``fit(X, Y)`` and ``predict(X)``, of which computed torque is made
+* a *regressor* with ``fit(X, Y)`` and ``predict(X)``, which is used for computed torque
   (:mod:`psp3.benchmark.learned`): rows of X are the robot's inputs, rows of Y the upper triangle of
   M, C and G, stacked, in SI units;
 * a *controller* with ``reset()`` and ``torque(t, positions, speeds, desired)``. If it has ``fit``,
   too, it learns from the same samples.
 
-Its constructor gets what it names among its parameters: ``robot``, ``kp`` and ``kv``, the gains of
-the servo, and ``rng``, a :class:`numpy.random.Generator`. Who asks for the robot is said to know
-the model.
+Its constructor can have these parameters: ``robot``, ``kp`` and ``kv``, the gains of the servo, and
+``rng``, a :class:`numpy.random.Generator`. An entry with the parameter ``robot`` is listed as
+knowing the model.
 """
 
 from __future__ import annotations
@@ -35,18 +35,17 @@ from psp3.control.controller import Controller
 from psp3.errors import InvalidEntry
 
 MODEL, SAMPLES, BOTH, NEITHER = "the model", "samples", "model and samples", "nothing"
-"""What an entry can know of the robot."""
+"""What an entry can know about the robot."""
 
 GIVEN = ("robot", "kp", "kv", "rng")
-"""What the constructor of a class in a file can ask for."""
+"""Parameters that the constructor of a class in a file can have."""
 
 
 class Course(NamedTuple):
-    """What an entry is given for one robot and one draw of the noise.
+    """The input of an entry for one robot and one draw of the noise.
 
-    The ``task``, the ``lesson`` with its noise, the ``reading`` and the ratio ``snr_db`` that it
-    was made with and the seed ``noise`` of it, ``rng`` for what the entry draws itself, and the
-    control ``period`` [s].
+    It holds the ``task``, the ``lesson`` with noise, the noise's ``reading``, ratio ``snr_db`` and
+    seed ``noise``, ``rng`` for random numbers of the entry, and the control ``period`` [s].
     """
 
     task: Task
@@ -60,20 +59,21 @@ class Course(NamedTuple):
 
 @dataclass(frozen=True)
 class Entry:
-    """Something that takes part.
+    """A participant of the benchmark.
 
     Parameters
     ----------
     name : str
-        What it is called on the board.
+        Its name on the board.
     knows : str
         ``MODEL``, ``SAMPLES``, ``BOTH`` or ``NEITHER``.
     make : callable
         Returns the controller of a :class:`Course`, trained.
     draws : bool
-        Whether it draws random numbers, so that seeds differ without noise, too.
+        Whether it draws random numbers, so its results depend on the seed even without noise.
     mark : str
-        Changes with whatever changes the entry; with the name it says which results are its own.
+        A text that changes whenever the entry changes; name and mark identify the results of the
+        entry.
     """
 
     name: str
@@ -84,14 +84,14 @@ class Entry:
 
     @property
     def learns(self) -> bool:
-        """Whether it sees the samples, and so their noise."""
+        """Whether it sees the samples, and thus their noise."""
         return self.knows in (SAMPLES, BOTH)
 
 
 def load_entry(path: str | Path) -> Entry:
     """Return the entry of a file; its name is that of the file without the suffix.
 
-    The file is run, with all rights of this process.
+    The file is executed with all rights of this process.
 
     Parameters
     ----------
@@ -105,8 +105,8 @@ def load_entry(path: str | Path) -> Entry:
     Raises
     ------
     InvalidEntry
-        If the file cannot be read or run, has no class that can be an entry or several, or its
-        constructor asks for what there is not.
+        If the file cannot be read or executed, if it does not have exactly one class that can be an
+        entry, or if a parameter of its constructor is unknown.
     """
     path = checked_path("path", path)
     try:
@@ -128,9 +128,9 @@ def load_entry(path: str | Path) -> Entry:
 
 @dataclass(frozen=True)
 class _OfFile:
-    """Makes the controller of an entry from the content of its file.
+    """A function that makes the controller of an entry from the content of its file.
 
-    It goes to other processes and machines as that content: what they run is what was read here.
+    Other processes and machines receive this content, so they execute what was read here.
     """
 
     path: str
@@ -141,17 +141,17 @@ class _OfFile:
 
     @property
     def mark(self) -> str:
-        """What changes with the content."""
+        """Mark that changes with the content."""
         return hashlib.sha256(self.source).hexdigest()[:16]
 
     @cached_property
     def kind(self) -> type:
-        """Class of the entry; the file is run for it."""
+        """Class of the entry; the file is executed to get it."""
         return _the_class(self.path, self.source, self.mark)
 
     @cached_property
     def wanted(self) -> tuple[str, ...]:
-        """What its constructor is given."""
+        """Names of the parameters that its constructor gets."""
         return _asked_for(self.path, self.kind)
 
     def __call__(self, course: Course) -> Controller:
@@ -167,17 +167,17 @@ class _OfFile:
 
 
 def of_regressor(regressor: Any, course: Course, name: str) -> LearnedComputedTorque:
-    """Return computed torque with what a regressor learns from the samples of a course."""
+    """Return computed torque with a regressor that learns from the samples of a course."""
     task = course.task
     return LearnedComputedTorque(regressor, course.lesson, task.inputs_of, task.kp, task.kv, name)
 
 
 def _the_class(path: str, source: bytes, mark: str) -> type:
-    """Run the content of a file, and return its class that can be an entry."""
+    """Execute the content of a file, and return its class that can be an entry."""
     name = f"psp3_benchmark_entry_{mark}"
     module = ModuleType(name)
     module.__file__ = path
-    # Classes that are pickled, and dataclasses, look their module up.
+    # Pickled classes and dataclasses look up their module.
     sys.modules[name] = module
     try:
         exec(compile(source, path, "exec"), vars(module))
@@ -206,7 +206,7 @@ def _can_enter(kind: type) -> bool:
 
 
 def _asked_for(path: str, kind: type) -> tuple[str, ...]:
-    """Return the names of the parameters of a constructor that are given."""
+    """Return the names of a constructor's parameters, which the benchmark provides."""
     parameters = inspect.signature(kind).parameters.values()
     named = [one for one in parameters if one.kind not in (one.VAR_POSITIONAL, one.VAR_KEYWORD)]
     for one in named:

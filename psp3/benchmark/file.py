@@ -1,11 +1,10 @@
 """Outcomes of trials on disk: an SQLite file with one row for each trial of each entry.
 
-A row is there whole or not at all, committed when its trial is done, and has a checksum, which is
-verified when it is read. A row that is lost is a trial that is not done, which the board says. Its
-key is what decides the
-outcome: entry, the mark of its file, the trial's fields and the sources of the packages. So the
-same benchmark goes on where it was stopped, an entry whose file was changed runs anew, and all of
-them do where the packages were changed.
+A row is there whole or not at all. It is committed when its trial is done, and has a checksum that
+is verified when it is read. A lost row is a trial that is not done, and the board says so. The key
+of a row is everything that determines the outcome: entry, the mark of its file, the trial's fields
+and the sources of the packages. So the same benchmark resumes where it was stopped. An entry whose
+file was changed runs again, and all entries do if the packages were changed.
 """
 
 from __future__ import annotations
@@ -26,10 +25,10 @@ from psp3.errors import InvalidStudyFile, StudyFileNotWritable
 from psp3.study.file import is_still, literal
 
 APPLICATION = int.from_bytes(b"PSPB", "big")
-"""Mark of these files (SQLite's ``application_id``)."""
+"""Identifier of these files (SQLite's ``application_id``)."""
 
 FORMAT = 2
-"""Version of the layout; any other is refused."""
+"""Version of the layout; a file with any other is refused."""
 
 PATIENCE = 30.0
 """How long to wait for another benchmark that writes to the file [s]."""
@@ -38,12 +37,12 @@ PATIENCE = 30.0
 def key(entry: Entry, trial: Trial) -> str:
     """Return the text that identifies a trial of an entry."""
     fields = {name: "inf" if value == math.inf else value for name, value in asdict(trial).items()}
-    # In ASCII: a file's name, and so an entry's, may hold bytes that are no characters.
+    # In ASCII, because a file's name, and thus an entry's, may hold bytes that are not characters.
     return json.dumps([stamp(), entry.name, entry.mark, fields])
 
 
 class OutcomeFile:
-    """A file of outcomes, made when it is not there.
+    """A file of outcomes, which is made if it does not exist.
 
     Parameters
     ----------
@@ -53,7 +52,7 @@ class OutcomeFile:
     Raises
     ------
     InvalidStudyFile
-        If it is there and not the file of a benchmark.
+        If it exists and is not the file of a benchmark.
     StudyFileNotWritable
         If it cannot be made.
     """
@@ -89,7 +88,7 @@ class OutcomeFile:
         Raises
         ------
         InvalidStudyFile
-            If a row is not what was written.
+            If a row differs from what was written.
         """
         with self._connected() as connection:
             rows = connection.execute("SELECT key, outcome, checksum FROM outcomes").fetchall()
@@ -97,9 +96,9 @@ class OutcomeFile:
             if not _is_whole(*row):
                 raise InvalidStudyFile(
                     self.path,
-                    f"is damaged: the outcome of {str(row[0])[:200]} does not have its checksum; "
-                    f"delete such rows and run the benchmark again, which does their trials anew "
-                    f"(DELETE FROM outcomes WHERE checksum IS {literal(row[2])})",
+                    f"is damaged: the outcome of {str(row[0])[:200]} does not match its checksum; "
+                    "delete such rows and run the benchmark again to repeat their trials (DELETE "
+                    f"FROM outcomes WHERE checksum IS {literal(row[2])})",
                 )
         return {name: json.loads(outcome) for name, outcome, _ in rows}
 
@@ -109,15 +108,15 @@ class OutcomeFile:
         Raises
         ------
         StudyFileNotWritable
-            If it cannot be written, or the file is not where it was any more.
+            If it cannot be written, or the file was moved or deleted.
         """
         if not is_still(self.path, self._place):
             raise StudyFileNotWritable(
                 self.path,
                 "it was deleted or replaced while the benchmark was running; put it back and run "
-                "the benchmark again, which otherwise does all its trials anew",
+                "the benchmark again; otherwise it repeats all its trials",
             )
-        # Numbers that are not finite are none: what has no error says so with a word of its own.
+        # Outcomes hold finite numbers only, because a diverged run has a flag instead of errors.
         text = json.dumps(outcome, allow_nan=False)
         row = name, text, _checksum(name, text)
         with self._connected() as connection, connection:
@@ -132,7 +131,8 @@ class OutcomeFile:
         try:
             yield connection
         except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
-            # Full disks and locked files are operational, what is no database is not.
+            # Full disks and locked files are operational errors; a file that is not a database is
+            # not.
             if isinstance(error, sqlite3.OperationalError):
                 raise StudyFileNotWritable(self.path, str(error)) from error
             raise InvalidStudyFile(

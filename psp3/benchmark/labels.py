@@ -1,4 +1,4 @@
-"""Names beside points that do not cover each other."""
+"""Place names beside points so that they do not overlap."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from matplotlib.transforms import Bbox
 from psp3.checks import Array
 
 SIZE = 8.0
-"""Of the letters [points]."""
+"""Size of the letters [points]."""
 
 STEP = 5.0
-"""From a point to its name, and then from ring to ring of the places that are tried [points]."""
+"""Distance from a point to its name, and then between rings of candidate places [points]."""
 
 RINGS = 40
-"""Rings of places that are tried."""
+"""Number of rings of candidate places."""
 
 DIRECTIONS = np.deg2rad([20.0, -20.0, 160.0, 200.0, 90.0, -90.0, 50.0, -50.0, 130.0, 230.0])
-"""Where a name can stand, seen from its point: rather to the right."""
+"""Directions of a name from its point, with preference for the right."""
 
 ROOM = 1.0
-"""Around points and names [points]."""
+"""Margin around points and names [points]."""
 
 
 def label_points(
@@ -33,23 +33,23 @@ def label_points(
 ) -> None:
     """Write names beside points of axes whose limits are final.
 
-    Each name, in the order given, takes the nearest place within the axes where it covers neither a
-    point nor a name, or where it covers least. A thin line leads to a name that is not beside its
-    point. Names are no formulas.
+    Each name, in the order given, takes the nearest place within the axes where it overlaps neither
+    a point nor a name, or else the least overlap. A thin line leads to a name that is not beside
+    its point. Names are not parsed as formulas.
 
     Parameters
     ----------
     axes : Axes
         Where the points are.
     points : sequence of (float, float)
-        In the units of the axes.
+        Coordinates in the units of the axes.
     names : sequence of str
         A name for each.
     colors : sequence
         Their colors.
     """
     figure: Any = axes.get_figure(root=True)
-    # The layout moves axes, and what is measured is to be what is drawn.
+    # The layout moves the axes, so it must be done before sizes are measured.
     figure.draw_without_rendering()
     pixels = figure.dpi / 72.0
     places = axes.transData.transform(np.reshape(points, (-1, 2)))
@@ -85,24 +85,24 @@ def _box(center: Array, size: Array) -> Bbox:
 def _free_place(
     place: Array, size: Array, step: float, frame: Any, taken: Sequence[Bbox]
 ) -> tuple[int, Array]:
-    """Return ring and center of the first place for a name that covers nothing, or least."""
+    """Return ring and center of the first place where a name overlaps nothing, or least."""
     least, best = np.inf, (0, place)
     for ring, direction in itertools.product(range(RINGS), DIRECTIONS):
         toward = np.array([np.cos(direction), np.sin(direction)])
-        # The edge of the name is at the ring, or its corner; above and below it is centered.
+        # An edge or a corner of the name is on the ring; above and below the point it is centered.
         center = place + (ring + 1) * step * toward + 0.5 * size * np.clip(1.5 * toward, -1.0, 1.0)
         box = _box(center, size)
         covered = sum(_common(box, other) for other in taken)
         covered += size[0] * size[1] - _common(box, frame)
         if covered < least:
             least, best = covered, (ring, center)
-        # Sums of pixels are rounded.
+        # Small overlaps are rounding errors of sums of pixels.
         if least <= 1e-6 * size[0] * size[1]:
             break
     return best
 
 
 def _common(one: Bbox, other: Any) -> float:
-    """Return the area of what two boxes have in common."""
+    """Return the area of the overlap of two boxes."""
     both = Bbox.intersection(one, other)
     return 0.0 if both is None else float(both.width * both.height)

@@ -1,4 +1,4 @@
-"""Computed torque with M, C and G of any regressor."""
+"""Computed torque with M, C and G from any regressor."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from psp3.study.entries import PredictedComputedTorque
 
 
 class Regressor(Protocol):
-    """What an entry gives that learns M, C and G."""
+    """The interface of an entry that learns M, C and G."""
 
     def fit(self, X: Array, Y: Array) -> object:
         """Learn from inputs X (N, p) and outputs Y (N, m)."""
@@ -26,29 +26,29 @@ class Regressor(Protocol):
 
 
 class LearnedComputedTorque(PredictedComputedTorque):
-    """Computed torque whose M, C and G are what a regressor predicts.
+    """Computed torque whose M, C and G are predicted by a regressor.
 
-    Nothing is done to what it says: units are SI, inputs are not clipped. Only an estimate that is
-    not finite, or whose M is not positive definite, is replaced by the average of what was learned
-    from, as in :class:`psp3.FuzzyComputedTorque`.
+    Inputs and predictions are used unchanged: units are SI, and inputs are not clamped. Only an
+    estimate that is not finite, or whose M is not positive definite, is replaced by the average of
+    the samples, as in :class:`psp3.FuzzyComputedTorque`.
 
     Parameters
     ----------
     regressor : Regressor
-        What predicts; it learns here.
+        The regressor, which learns here.
     lesson : Lesson
-        What it learns from.
+        The samples that it learns from.
     inputs_of : callable
         Returns the inputs (p,) at positions and speeds, (n,) each.
     kp, kv : float
         Gains of the servo [1/s²], [1/s].
     name : str
-        What the entry is called in errors.
+        The name of the entry in errors.
 
     Raises
     ------
     InvalidEntry
-        If ``predict`` returns something else than numbers (1, m).
+        If ``predict`` does not return numbers (1, m).
     """
 
     def __init__(
@@ -63,12 +63,12 @@ class LearnedComputedTorque(PredictedComputedTorque):
         super().__init__(kp, kv)
         self._regressor, self._inputs_of, self._name = regressor, inputs_of, name
         self._width = lesson.outputs.shape[1]
-        # Copies: what an entry does to its samples is no business of the next one.
+        # Copies, because an entry may change its samples, and the next entry must not see that.
         regressor.fit(lesson.inputs.copy(), lesson.outputs.copy())
         self.average = lesson.outputs.mean(axis=0)
 
     def predicted(self, positions: Array, speeds: Array) -> Array:
-        """Return what the regressor predicts (m,) at a state."""
+        """Return the regressor's prediction (m,) at a state."""
         inputs = self._inputs_of(positions, speeds)[np.newaxis]
         found = np.asarray(self._regressor.predict(inputs), dtype=np.float64)
         if found.shape != (1, self._width):

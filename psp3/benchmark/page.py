@@ -1,4 +1,4 @@
-"""The board as one HTML page that needs nothing else, and as numbers."""
+"""The board as one self-contained HTML page, and as numbers."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ COLUMNS = (
 """Columns of the board."""
 
 SHORT_COLUMNS = ("place", "entry", "knows", "mm", "times best", "lost", "µs", "training")
-"""Columns of the board where there is little room: error, ratio, diverged, step and training."""
+"""Columns of the short board, for little room: error, ratio, diverged, step and training."""
 
 
 def write_numbers(board: Board, path: str | Path) -> Path:
     """Write the board as JSON and return the path; see :meth:`Board.as_numbers`."""
     checked_kind("board", board, Board, "a board, as Benchmark(...).board() returns it")
     target = checked_path("path", path)
-    # In ASCII: names of files may hold bytes that are no characters.
+    # In ASCII, because names of files may hold bytes that are not characters.
     text = json.dumps(board.as_numbers(), allow_nan=False, indent=1)
     write_text(text + "\n", target)
     return target
@@ -52,7 +52,7 @@ def write_numbers(board: Board, path: str | Path) -> Path:
 def write_page(board: Board, path: str | Path) -> Path:
     """Write the board as an HTML page and return the path.
 
-    Every name and message is escaped: entries are files of others.
+    Every name and message is escaped, because entries are files of strangers.
     """
     checked_kind("board", board, Board, "a board, as Benchmark(...).board() returns it")
     target = checked_path("path", path)
@@ -70,7 +70,7 @@ def write_page(board: Board, path: str | Path) -> Path:
             drawing(
                 times,
                 "Error over all cells against the time of a step, called from Python.",
-                "A point for each entry; lower is better, and so is more to the left.",
+                "A point for each entry; better is lower and further left.",
             ),
         ]
     tables += [
@@ -105,13 +105,13 @@ def write_page(board: Board, path: str | Path) -> Path:
 
 
 def summary(board: Board) -> list[str]:
-    """Return what came out, in sentences."""
+    """Return the results in sentences."""
     said = []
     if board.ranked:
         said.append(_who_is_first(board, board.ranked, "of all"))
     learned = [score for score in board.ranked if score.entry.knows == SAMPLES_ONLY]
     if learned and len(learned) < len(board.ranked):
-        said.append(_who_is_first(board, learned, "of those that know nothing but samples"))
+        said.append(_who_is_first(board, learned, "among those that know only the samples"))
     conditions = "; ".join(
         f"{READINGS[reading].title}, {snr_db:g} dB"
         for reading, snr_db in board.conditions
@@ -131,15 +131,15 @@ def summary(board: Board) -> list[str]:
     )
     if replaced:
         said.append(
-            "Estimates that were not finite or had no positive definite M, for which the average "
-            f"of the samples stood in: {replaced}."
+            "Estimates that were not finite or had no positive definite M, which the average of "
+            f"the samples replaced: {replaced}."
         )
     said += [f"Without a place: {score.entry.name}, {score.problem}" for score in _placeless(board)]
     return said
 
 
 def _who_is_first(board: Board, scores: Sequence[Score], among: str) -> str:
-    """Return who leads among some entries, and who is not shown to be worse."""
+    """Return the best of some entries, and those not shown to be worse."""
     first, *others = scores
     text = f"First {among} is {first.entry.name}, {_millimeters(first.error)} mm"
     ties = [
@@ -155,12 +155,12 @@ def _placeless(board: Board) -> list[Score]:
 
 
 def board_rows(board: Board) -> list[list[str]]:
-    """Return the cells of the board, a row an entry."""
+    """Return the cells of the board, one row per entry."""
     return [_row(place, score) for place, score in enumerate(board.scores, start=1)]
 
 
 def short_rows(board: Board) -> list[list[str]]:
-    """Return the cells of the short board, a row an entry: only ratios have intervals."""
+    """Return the cells of the short board, one row per entry; only ratios have intervals."""
     return [
         [*row[:3], _short(1e3 * score.error.value), row[4], row[6], *row[7:9]]
         for row, score in zip(board_rows(board), board.scores, strict=True)
@@ -183,19 +183,20 @@ def _row(place: int, score: Score) -> list[str]:
 
 
 def board_note(board: Board) -> str:
-    """Return what the reader of the board must know."""
+    """Return the explanations below the board."""
     return (
-        "Geometric means over all robots, paths and noises, of root mean square distances of the "
-        "tip from where it should be, and over seeds; in brackets 95 % intervals, seeds paired. "
-        "Whose ratio reaches down to 1 is not shown to be worse than the best. Runs that diverged "
-        "count as the extent of their path. Training and steps are medians; steps are called from "
-        "Python, training is CPU time. The fuzzy entries (t1, it2, gt2 and adaptive) are told the "
-        f"signal-to-noise ratio, the others are not. {REFERENCE} is exact computed torque."
+        "Geometric means, over all robots, paths, noises and seeds, of the root mean square "
+        "distance of the tip from its desired position; in brackets 95 % intervals, seeds paired. "
+        "An entry is not shown to be worse than the best if the interval of its ratio reaches "
+        "down to 1. Runs that diverged count as the extent of their path. Training and steps are "
+        "medians; steps are called from Python, training is CPU time. The fuzzy entries (t1, it2, "
+        f"gt2 and adaptive) are given the signal-to-noise ratio, the others are not. {REFERENCE} "
+        "is exact computed torque."
     )
 
 
 def heading(cell: Cell) -> str:
-    """Return what stands above the errors of a cell."""
+    """Return the heading above the errors of a cell."""
     return f"{condition(cell)}, {cell.path}"
 
 
@@ -217,7 +218,7 @@ def _millimeters(estimate: Estimate) -> str:
 def _with_interval(estimate: Estimate, factor: float = 1.0) -> str:
     text = _short(factor * estimate.value)
     low, high = _short(factor * estimate.low), _short(factor * estimate.high)
-    # What is the same with every seed differs by rounding, and has no interval to show.
+    # Errors that do not depend on the seed differ only by rounding, and have no interval.
     if math.isfinite(estimate.low) and low != high:
         text += f" ({low} to {high})"
     return text

@@ -20,19 +20,19 @@ from psp3.benchmark.tasks import PATHS
 from psp3.plots.panels import Panels, given_panels
 
 MARKERS = "osv^DPX*"
-"""Of the conditions, in their order."""
+"""Colors of the conditions, in order."""
 
 LINE = 0.3
 """Height of the line of an entry [inch]."""
 
 SPREAD = 0.75
-"""What the cells of an entry take of its line."""
+"""Share of an entry's line that its cells take."""
 
 POINT = 5.0
 """Size of the point of an entry [points]."""
 
 LONGEST = 24
-"""Letters of a name that are drawn."""
+"""Number of letters of a name that are drawn."""
 
 
 def condition(cell: Cell) -> str:
@@ -102,7 +102,7 @@ def figure_of_cells(board: Board, axes: Sequence[Axes] | None = None) -> Panels:
 
 
 def figure_of_times(board: Board, axes: Sequence[Axes] | None = None) -> Panels:
-    """Draw the error over all cells against the time of a step, an entry a point.
+    """Draw the error over all cells against the time of a step, one point per entry.
 
     Parameters
     ----------
@@ -137,12 +137,12 @@ def figure_of_times(board: Board, axes: Sequence[Axes] | None = None) -> Panels:
 
 
 def _shown(name: str) -> str:
-    """Return the label of a name, cut where it is so long that it would leave no room."""
+    """Return the label of a name, cut if it is too long."""
     return literal(name if len(name) <= LONGEST else name[: LONGEST - 1] + "…")
 
 
 def as_svg(panels: Panels) -> bytes:
-    """Return the figure of some axes as SVG, the same one every time."""
+    """Return the figure of axes as SVG, the same text every time."""
     text = io.BytesIO()
     drawn: Any = panels[0].get_figure(root=True)
     with style("light"):

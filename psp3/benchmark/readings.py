@@ -1,7 +1,7 @@
-"""What "noise of S dB" can mean, by name: the readings of the noise of the benchmark.
+"""The readings of noise of the benchmark, which define "noise of S dB", by name.
 
-The power of a signal is defined in five ways, noise can be on what is recorded or on what is
-measured at run time, and which of the entries wins depends on it
+The power of a signal can be defined in several ways, and noise can be on the record or on the
+measurements at run time. The ranking of the entries depends on this choice
 (:mod:`psp3.fuzzy_control.records` has the equation).
 """
 
@@ -20,7 +20,7 @@ from psp3.fuzzy_control.records import RecordNoise
 class Reading(NamedTuple):
     """A reading of noise.
 
-    ``title`` says what it is in words, ``noise`` what a ratio means on a record, None if records
+    ``title`` describes it in words. ``noise`` defines a ratio on a record; it is None if records
     are exact and the noise is on measured positions and speeds at run time.
     """
 
@@ -49,8 +49,8 @@ NONE = "none"
 """Name of the reading without noise."""
 
 AT_RUN_TIME = RecordNoise("variance")
-"""What a ratio means at run time. Positions are counted from anywhere, so that their mean square is
-no power of a signal."""
+"""Definition of a ratio at run time. It uses the variance: the zero of positions is arbitrary, so
+their mean square is not a signal power."""
 
 
 class Lesson(NamedTuple):
@@ -68,7 +68,7 @@ def lesson(
     Parameters
     ----------
     task : Task
-        Whose record is taken.
+        Task with the record.
     reading : str
         One of ``READINGS``, or ``NONE``.
     snr_db : float
@@ -88,7 +88,7 @@ def lesson(
 def measured_noise(
     task: Task, reading: str, snr_db: float, count: int, rng: np.random.Generator
 ) -> Array | None:
-    """Return what measurement adds to positions and speeds, (count, 2n), or None for nothing."""
+    """Return the measurement noise on positions and speeds, (count, 2n), or None."""
     if reading == NONE or READINGS[reading].noise is not None or not math.isfinite(snr_db):
         return None
     recorded = task.recorded

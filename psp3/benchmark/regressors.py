@@ -1,8 +1,8 @@
 """Regressors of scikit-learn as entries: a Gaussian process, a neural network, ridge.
 
-None is told how much noise there is: each finds out from the samples, by likelihood or by samples
-held back. All see inputs and outputs of mean 0 and variance 1, and inputs within the range that
-they learned from.
+None is given the noise level: each estimates it from the samples, by likelihood or with held-out
+samples. Inputs and outputs are standardized to mean 0 and variance 1, and inputs are clamped to the
+trained range.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from psp3.errors import MissingPackage
 from psp3.study.entries import scale_of
 
 PENALTIES = tuple(10.0 ** np.arange(-6.0, 4.0))
-"""Penalties of ridge that are tried."""
+"""Candidate penalties of ridge."""
 
 DECAYS = (1e-3, 1e-1, 1e1)
-"""Weight decays of the neural network that are tried."""
+"""Candidate weight decays of the neural network."""
 
 
 class Standardized:
-    """A regressor between inputs and outputs of mean 0 and variance 1, inputs kept in range.
+    """A regressor on standardized inputs and outputs, with inputs clamped to their range.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ class Standardized:
 
 
 def gaussian_process(rng: np.random.Generator) -> Standardized:
-    """Return a Gaussian process with one width and one noise, both by likelihood."""
+    """Return a Gaussian process with one width and one noise, both of greatest likelihood."""
     need_scikit_learn()
     from sklearn.gaussian_process import GaussianProcessRegressor
     from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
@@ -58,7 +58,7 @@ def gaussian_process(rng: np.random.Generator) -> Standardized:
 
 
 def neural_network(rng: np.random.Generator) -> Standardized:
-    """Return a network with 32 hidden units, whose weight decay a third of the samples chooses."""
+    """Return a network of 32 hidden units; a held-out third of samples sets its weight decay."""
     need_scikit_learn()
     from sklearn.model_selection import GridSearchCV
     from sklearn.neural_network import MLPRegressor
@@ -73,7 +73,7 @@ def neural_network(rng: np.random.Generator) -> Standardized:
 
 
 def ridge(rng: np.random.Generator) -> Standardized:
-    """Return ridge regression on all products of two inputs, penalty by leaving one out."""
+    """Return ridge regression on all products of two inputs; leave-one-out sets the penalty."""
     need_scikit_learn()
     from sklearn.linear_model import RidgeCV
     from sklearn.pipeline import make_pipeline

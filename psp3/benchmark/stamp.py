@@ -1,7 +1,7 @@
-"""A hash of the sources that decide outcomes: outcomes of other sources are computed anew.
+"""A hash of the sources that determine outcomes; if it changes, outcomes are computed again.
 
-The version says it of a release. Between releases, and where a package is changed by its user,
-sources say it: of all that a trial may run, and of the robots.
+The version number identifies only a release. Between releases, or if a user changes the package,
+the sources decide: all that a trial may run, and the robots.
 """
 
 from __future__ import annotations
@@ -19,20 +19,21 @@ SHOWING = {
     "psp3": ("cli", "thesis", "plots", "visualize", "bounds", "warm_up.py"),
     "fuzzy2": ("plots",),
 }
-"""What no trial runs, of each package: a change of it leaves outcomes as they are."""
+"""Parts of each package that no trial runs; changing them does not affect outcomes."""
 
 SHOWING_BOARDS = ("board.py", "page.py", "pictures.py")
-"""The same of this folder."""
+"""The same for this folder."""
 
 DESCRIPTIONS = (".urdf", ".srdf", ".yaml", ".xml")
-"""What files of robots end in; what they look like decides nothing."""
+"""Endings of robot files. Files of shapes are not among them, because appearance does not affect
+outcomes."""
 
 DIGITS = 16
-"""Hexadecimal digits of the word."""
+"""Number of hexadecimal digits of the hash."""
 
 
 def sources() -> dict[str, Path]:
-    """Return the files that decide outcomes, by what they are called within the packages."""
+    """Return the files that determine outcomes, by their path within the packages."""
     found = {
         f"urdf/{path.name}": path for path in ROBOT_FILES.iterdir() if path.suffix in DESCRIPTIONS
     }
@@ -49,7 +50,7 @@ def sources() -> dict[str, Path]:
 
 @cache
 def stamp() -> str:
-    """Return the version with a word that changes with every file of :func:`sources`."""
+    """Return the version with a hash of all files of :func:`sources`."""
     found = hashlib.sha256()
     for name, path in sorted(sources().items()):
         content = path.read_bytes()

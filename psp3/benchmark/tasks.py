@@ -1,12 +1,12 @@
-"""What is asked of every entry: robots, paths, the gains of the servo, and what is recorded.
+"""The tasks of every entry: robots, paths, the gains of the servo, and the record.
 
-Three robots, of three ways to be learned: the 3-PSP from four differences, the Delta robot from
-three hinges and their speeds, and the Gough–Stewart platform from six legs and theirs, twelve
-inputs. (The five-bar robot would be the easiest of all, and says nothing that the Delta does not.)
+The three robots differ in their inputs: the 3-PSP has four differences, the Delta robot three hinge
+angles and their speeds, and the Gough–Stewart platform six leg lengths and their speeds, twelve
+inputs. (The five-bar robot would be the easiest, and adds nothing to the Delta robot.)
 
-Each has two paths of one kind. Entries learn from a record of the first, and are scored on both;
-the second has four fifths of the size and is done in four fifths of the time. All runs start on the
-path with its speed, so that errors come from the model and not from a jump at the start.
+Each has two paths of one kind. Entries learn from a record of the first, and are scored on both.
+The second has four fifths of the size and takes four fifths of the time. All runs start on the path
+with its speed, so errors come from the model and not from a jump at the start.
 """
 
 from __future__ import annotations
@@ -30,16 +30,16 @@ from psp3.trajectories.sway import Sway
 from psp3.trajectories.trajectory import Trajectory
 
 PATHS = ("trained", "untrained")
-"""Names of the two paths of every robot: the one that was recorded, and the one that was not."""
+"""Names of the two paths of every robot: the recorded one, and the other."""
 
 SMALLER = 0.8
 """Size of the untrained path, and its time for a turn, as shares of those of the trained one."""
 
 SAMPLES = 209
-"""Samples of the record that an entry learns from: as many as the thesis took."""
+"""Number of samples of the record that an entry learns from, as in the thesis."""
 
 MOST_POINTS = 400
-"""Points of a path that its extent is taken of."""
+"""Number of points of a path from which its extent is computed."""
 
 STIFF = (100.0, 20.0)
 """Gains of the servo of other robots than the 3-PSP [1/s²], [1/s]: critically damped."""
@@ -76,7 +76,7 @@ ROBOTS = tuple(_KINDS)
 
 @dataclass(frozen=True)
 class Task:
-    """A robot with what it is to do.
+    """A robot with its paths and gains.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ class Task:
     robot : Robot
         The robot.
     paths : dict of Trajectory
-        By their names in ``PATHS``.
+        Paths by their names in ``PATHS``.
     kp, kv : float
         Gains of the servo, the same for every entry [1/s²], [1/s].
     """
@@ -98,7 +98,7 @@ class Task:
 
     @cached_property
     def recorded(self) -> Record:
-        """The run that is learned from: exact computed torque on the first path."""
+        """The recorded run that entries learn from: exact computed torque on the first path."""
         return record(self.robot, self.paths[PATHS[0]], DURATION, kp=self.kp, kv=self.kv)
 
     @property
@@ -107,7 +107,7 @@ class Task:
         return len(self.robot.reference)
 
     def inputs_of(self, positions: Array, speeds: Array) -> Array:
-        """Return the inputs that M, C and G are learned from, at positions and speeds (..., n)."""
+        """Return the inputs of M, C and G at positions and speeds (..., n)."""
         return self.robot.learning_inputs.of(positions, speeds)
 
     def desired(self, path: str, duration: float, period: float) -> tuple[Array, Motion]:
@@ -116,12 +116,12 @@ class Task:
         return t, self.paths[path](t)
 
     def extent(self, path: str, duration: float, period: float) -> float:
-        """Return how far apart two desired places of the tip are at most [m].
+        """Return the greatest distance between two desired positions of the tip [m].
 
-        No run is scored worse: whoever loses the robot is off by the whole path.
+        It is the worst error of a run: a run that loses the robot gets it.
         """
         _, motion = self.desired(path, duration, period)
-        # Both ends, and enough between them: all pairs of thousands of points are too many.
+        # Both ends, and some points between, because all pairs of thousands of points are too many.
         count = min(len(motion.tip), MOST_POINTS)
         some = np.linspace(0, len(motion.tip) - 1, count).round().astype(int)
         return float(pdist(motion.tip[some]).max())
@@ -129,7 +129,7 @@ class Task:
 
 @lru_cache(maxsize=len(ROBOTS))
 def task(name: str) -> Task:
-    """Return the task of a robot; robots and records are made once in a process.
+    """Return the task of a robot; each robot and record is made once per process.
 
     Raises
     ------

@@ -24,11 +24,11 @@ from psp3.study.latency import step_times
 from psp3.trajectories.motion import Motion
 
 TIMED = 200
-"""Steps of the controller that are timed, after those that warm it up."""
+"""Number of timed steps of the controller, after the warm-up."""
 
 NOISE, MEASUREMENT, ENTRY = 0, 1, 2
-"""Streams of random numbers of a seed: noise on samples, noise at run time, what an entry draws.
-So all entries of a seed see the same noise.
+"""Streams of random numbers of a seed: noise on samples, noise at run time, and numbers that an
+entry draws. Separate streams give all entries of a seed the same noise.
 """
 
 Outcome = dict[str, Any]
@@ -36,7 +36,7 @@ Outcome = dict[str, Any]
 
 @dataclass(frozen=True)
 class Trial:
-    """Everything but the entry that decides a trial.
+    """Everything that determines a trial, except the entry.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class Trial:
     snr_db : float
         Signal-to-noise ratio [dB]; infinite for none.
     seed : int
-        Of the noise, and of what an entry draws.
+        Seed of the noise, and of the numbers that an entry draws.
     duration, period : float
         Length of each run and control period [s].
     """
@@ -60,12 +60,12 @@ class Trial:
     period: float = 0.004
 
     def check(self) -> None:
-        """Raise what is wrong with the fields.
+        """Raise an error if a field is invalid.
 
         Raises
         ------
         UnknownName, InvalidValue
-            If a name is unknown, or a number is outside of what it can be.
+            If a name is unknown, or a number is out of range.
         """
         for what, name, known in (
             ("robot of the benchmark", self.robot, ROBOTS),
@@ -82,9 +82,9 @@ class Trial:
 
 
 def own_trial(entry: Entry, trial: Trial) -> Trial:
-    """Return the trial whose outcome is that of an entry's trial.
+    """Return the simplest trial with the same outcome for an entry.
 
-    It is the same one, but for noise that the entry does not see and seeds without meaning.
+    It differs in noise that the entry does not see, and in a seed that has no effect.
     """
     is_measured = trial.reading != NONE and READINGS[trial.reading].noise is None
     if not (is_measured or entry.learns):
@@ -95,26 +95,26 @@ def own_trial(entry: Entry, trial: Trial) -> Trial:
 
 
 class Noisy:
-    """A controller that sees its positions and speeds with noise on them.
+    """A controller that sees noisy positions and speeds.
 
     Parameters
     ----------
     controller : Controller
-        What it passes them to.
+        The controller that gets the noisy values.
     noise : (N, 2n) ndarray
-        What is added at each call.
+        The noise of each call.
     """
 
     def __init__(self, controller: Controller, noise: Array) -> None:
         self._controller, self._noise, self._calls = controller, noise, 0
 
     def reset(self) -> None:
-        """Begin with the first noise again."""
+        """Start again with the first noise."""
         self._calls = 0
         self._controller.reset()
 
     def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
-        """Return what the controller returns for what it sees."""
+        """Return the controller's torque for the noisy values."""
         added, n = self._noise[self._calls], len(positions)
         self._calls += 1
         return self._controller.torque(t, positions + added[:n], speeds + added[n:], desired)
@@ -126,17 +126,17 @@ def execute(trial: Trial, entry: Entry) -> Outcome:
     Parameters
     ----------
     trial : Trial
-        What is done.
+        The trial.
     entry : Entry
-        Who does it.
+        The entry that does it.
 
     Returns
     -------
     dict
-        ``error``, None or what the entry raised, in one line, and then nothing else is said;
+        ``error``, None or the error that the entry raised, in one line and then the only key;
         ``training_time``, CPU time of making and training the controller [s]; ``step_time``, median
         time of one step on the trained path, called from Python [s]; ``runs``, for each path a
-        dictionary of ``diverged``, ``end_time`` [s], and of runs that did not diverge
+        dictionary of ``diverged``, ``end_time`` [s], and for runs that did not diverge
         ``rms_tip_error``, ``largest_tip_error`` [m], ``rms_error`` of the positions [m or rad],
         ``effort`` :math:`\int \lVert\tau\rVert^2 dt`, and ``fallbacks``, the share of steps whose
         estimate was replaced.
@@ -145,12 +145,12 @@ def execute(trial: Trial, entry: Entry) -> Outcome:
     of_robot = task(trial.robot)
     try:
         with one_thread(), warnings.catch_warnings():
-            # What an entry is warned of, such as a search that has not converged, it knows or not:
-            # its score shows.
+            # Warnings of an entry's libraries, for example of a search that has not converged, are
+            # ignored, because the score shows their effect.
             warnings.simplefilter("ignore")
             return _done(trial, entry, of_robot)
     except (Exception, SystemExit) as error:
-        # An entry is code of others: what it raises is a result.
+        # An entry is foreign code, so an error that it raises is a result.
         return {"error": said(error)}
 
 
@@ -175,7 +175,7 @@ def _done(trial: Trial, entry: Entry, of_robot: Task) -> Outcome:
 
 
 def _run(trial: Trial, controller: Controller, of_robot: Task, path: str) -> Outcome:
-    """Let a trained controller track a path; to lose the robot is a result."""
+    """Let a trained controller track a path; losing the robot is a valid result."""
     t, motion = of_robot.desired(path, trial.duration, trial.period)
     rng = np.random.default_rng((trial.seed, MEASUREMENT))
     noise = measured_noise(of_robot, trial.reading, trial.snr_db, len(t), rng)
@@ -193,10 +193,10 @@ def _run(trial: Trial, controller: Controller, of_robot: Task, path: str) -> Out
     except InvalidTorque as end:
         if np.shape(end.torque) != (of_robot.joints,):
             raise
-        # Forces that overflow are how some controllers lose a robot.
+        # Some controllers lose a robot with forces that overflow.
         return {"diverged": True, "end_time": end.time}
     measured = _measured(result)
-    # Errors and efforts that overflow are those of a robot that is lost, whoever still has a pose.
+    # A run whose errors or efforts overflow counts as diverged, even if the robot still has a pose.
     diverged = not np.isfinite(list(measured.values())).all()
     return {
         "diverged": diverged,

@@ -19,14 +19,15 @@ from psp3.study.study import HANDED_OUT, LOOK_UP
 from psp3.study.under_way import UnderWay
 
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-"""What keeps a worker to one core: times are compared, and matrices are small."""
+"""Environment variables that keep a worker to one core, because times are compared and matrices are
+small."""
 
 _ONE_AT_A_TIME = threading.Lock()
 
 
 @contextmanager
 def processes(count: int) -> Iterator[tuple[Executor, Callable[[], int]]]:
-    """Yield new processes, each with one thread for its linear algebra, and how many they are."""
+    """Yield an executor of new processes with one thread each, and their number."""
     before = {name: os.environ.get(name) for name in ONE_THREAD}
     os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
     try:
@@ -53,17 +54,17 @@ def done_by(
     keep: Callable[[str, Outcome], None],
     report: Callable[[], None],
 ) -> None:
-    """Hand out trials, a few at a time, and keep each outcome when it is there.
+    """Hand out trials, a few at a time, and keep each outcome when it comes back.
 
-    What does not come back because of one trial, such as an entry that ends its worker again and
-    again, is the outcome of that trial.
+    If one trial makes its worker fail, for example because the entry repeatedly ends the process,
+    this failure is the outcome of the trial.
 
     Parameters
     ----------
     executor : concurrent.futures.Executor
-        Who does them.
+        Executor that does the trials.
     count_workers : callable
-        Returns how many it does at a time.
+        Returns how many trials it does at a time.
     missing : mapping
         Trials with their entries, by key.
     keep : callable
@@ -91,11 +92,12 @@ def done_by(
                     under_way.hand_out(executor, name, _execute_alone, *work)
                 if not under_way:
                     return
-                # Not without end: count_workers finds out what a cluster tells nobody.
+                # The wait is limited, because count_workers detects a lost cluster that dask does
+                # not report.
                 if _keep(under_way, LOOK_UP, keep):
                     report()
         except KeyboardInterrupt:
-            # What has begun is soon done, and is kept.
+            # Trials that have begun end soon, and are kept.
             under_way.cancel()
             while under_way:
                 _keep(under_way, None, keep)
@@ -109,14 +111,14 @@ def _keep(
     patience: float | None,
     keep: Callable[[str, Outcome], None],
 ) -> int:
-    """Keep what comes back, return how much it was, and raise what has lost the rest of it."""
+    """Keep outcomes that come back, return their number, and raise the error that lost others."""
     lost: BrokenProcessPool | CancelledError | None = None
     finished = under_way.finished(patience)
     for future in finished:
         try:
             keep(under_way.take(future), _outcome(future))
         except (BrokenProcessPool, CancelledError) as error:
-            # Others of these have come back, and are kept.
+            # The others that came back are kept first.
             lost = error
     if lost is not None:
         raise lost
@@ -133,6 +135,6 @@ def _outcome(future: Future[Outcome]) -> Outcome:
 
 
 def _execute_alone(trial: Trial, entry: Entry) -> Outcome:
-    """Do a trial: steps are timed, and robots serve one thread, so no other one meanwhile."""
+    """Do a trial, one at a time, because steps are timed and robots are not safe for threads."""
     with _ONE_AT_A_TIME:
         return execute(trial, entry)

@@ -1,4 +1,4 @@
-"""Bounds with a stated probability: of tracking errors, and of torques."""
+"""Bounds with a given probability, for tracking errors and for torques."""
 
 from __future__ import annotations
 

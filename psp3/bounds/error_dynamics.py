@@ -6,20 +6,21 @@ Under computed torque with gains :math:`k_p, k_v` every error :math:`e = a_d - a
           d = M^{-1} (\tau - \tau_{\text{ideal}}), \quad
           \tau_{\text{ideal}} = M (\ddot a_d + k_v \dot e + k_p e) + C \dot a + G,
 
-where the residual acceleration d is what the force did that the servo had not asked for. So an
-error is at most the greatest :math:`|d|` times the integral of the absolute impulse response, and
-one disturbance, of that size and of the sign of the impulse response, comes arbitrarily near.
+where the residual acceleration d is the effect of the difference between the actual force and the
+ideal one of the servo. So an error is at most the greatest :math:`|d|` times the integral of the
+absolute impulse response. The bound is tight: a disturbance of that size, with the sign of the
+impulse response, comes arbitrarily near.
 
-A digital controller sees the error once a period h and holds its force until the next. Then d is
-taken beside the servo acceleration *that is held*, and the loop is the one in discrete time,
+A digital controller samples the error once a period h and holds its force until the next sample.
+Then d is relative to the *held* servo acceleration, and the loop is one in discrete time,
 
 .. math:: x_{j+1} = F x_j - \int_0^h \binom{h - s}{1} d(jh + s)\, ds, \qquad
           x = \binom{e}{\dot e}, \quad
           F = \begin{pmatrix} 1 & h \\ 0 & 1 \end{pmatrix}
               - \binom{h^2 / 2}{h} \begin{pmatrix} k_p & k_v \end{pmatrix},
 
-which is exact: held feedback is no part of d. What the desired acceleration changes within a
-period is one.
+which is exact. Holding the feedback does not contribute to d, but changes of the desired
+acceleration within a period do.
 """
 
 from __future__ import annotations
@@ -33,18 +34,18 @@ from psp3.checks import Array, checked_not_negative, checked_positive
 from psp3.errors import InvalidValue
 
 ROWS = 4096
-"""Periods whose impulse responses are in memory at a time."""
+"""Number of periods whose impulse responses are in memory at a time."""
 
 NEGLIGIBLE = 1e-17
-"""Share of a sum below which what is added is rounding."""
+"""Terms below this share of a sum count as rounding."""
 
 SLOWEST = 1e-6
-"""Share of an error that must at least die out in a control period."""
+"""Least share of an error that must die out in a control period."""
 
 
 @dataclass(frozen=True)
 class ErrorDynamics:
-    r"""The loop that every error obeys under computed torque.
+    r"""The dynamics of every error under computed torque.
 
     Parameters
     ----------
@@ -56,8 +57,8 @@ class ErrorDynamics:
     Raises
     ------
     InvalidValue
-        If a gain is not positive, or errors do not settle with gains and period: those of the
-        matrix F do within :math:`\tfrac12 h k_p < k_v < 2 / h`.
+        If a gain is not positive, or if errors do not settle with these gains and this period. They
+        settle if :math:`\tfrac12 h k_p < k_v < 2 / h`, by the eigenvalues of F.
     """
 
     kp: float
@@ -98,15 +99,16 @@ class ErrorDynamics:
         return np.array([[1.0 - 0.5 * h**2 * kp, h - 0.5 * h**2 * kv], [-h * kp, 1.0 - h * kv]])
 
     def worst_error(self) -> float:
-        r"""Return the greatest error that disturbances of at most 1 m/s² can make from rest [s²].
+        r"""Return the greatest error that disturbances of at most 1 m/s² can cause from rest [s²].
 
         Without a period it is the integral of the absolute impulse response,
 
         .. math:: \int_0^\infty |g(t)|\, dt = \frac{1}{k_p} \begin{cases} 1 & \zeta \ge 1 \\
                   \coth \dfrac{\pi \zeta}{2 \sqrt{1 - \zeta^2}} & \zeta < 1 \end{cases}
 
-        since at :math:`\zeta \ge 1` g has one sign, and else its half waves are a geometric series.
-        With a period it is the sum of :func:`share_of_period` over all periods, to rounding.
+        because g has one sign if :math:`\zeta \ge 1`, and otherwise its half waves are a geometric
+        series. With a period it is the sum of :func:`share_of_period` over all periods, to
+        rounding.
         """
         if self.period == 0.0:
             ratio = self.damping_ratio
@@ -115,7 +117,7 @@ class ErrorDynamics:
             return 1.0 / (self.kp * math.tanh(0.5 * math.pi * ratio / math.sqrt(1.0 - ratio**2)))
         block = powers(self.step, ROWS)
         rows, leap, total = block[:, 0], block[-1] @ self.step, 0.0
-        # Ends, because errors settle: see SLOWEST.
+        # The loop ends because errors settle, see SLOWEST.
         while True:
             more = float(share_of_period(rows, self.period).sum())
             total += more
@@ -133,15 +135,15 @@ def powers(matrix: Array, count: int) -> Array:
 
 
 def share_of_period(rows: Array, period: float) -> Array:
-    r"""Return what a disturbance of one period adds to a later error at most, in units of its size.
+    r"""Return the greatest effect of one period's disturbance on a later error, per unit.
 
     .. math:: \int_0^h |\alpha (h - s) + \beta|\, ds
 
     Parameters
     ----------
     rows : (..., 2) ndarray
-        What becomes of error and rate at the end of the period, :math:`(\alpha, \beta)`: the first
-        row of a power of F.
+        Later effect of the error and its rate at the end of the period, :math:`(\alpha, \beta)`:
+        the first row of a power of F.
     period : float
         Control period h [s].
 
@@ -151,8 +153,8 @@ def share_of_period(rows: Array, period: float) -> Array:
         [s²]
     """
     first, last = rows[..., 1] + period * rows[..., 0], rows[..., 1]
-    # Of a straight line the mean size is that of its ends, or the areas of two triangles where it
-    # changes its sign.
+    # The mean absolute value of a straight line is the mean of its ends, or that of two triangles
+    # if its sign changes.
     ends = np.abs(first) + np.abs(last)
     crossing = np.maximum(-first * last, 0.0) / np.where(ends > 0.0, ends, 1.0)
     share: Array = period * (0.5 * ends - crossing)
@@ -160,21 +162,21 @@ def share_of_period(rows: Array, period: float) -> Array:
 
 
 def least_disturbance(moved: Array, sped: Array, period: float) -> Array:
-    r"""Return the least bound on accelerations that explain what happened in a period.
+    r"""Return the least bound on disturbing accelerations that explain the motion in a period.
 
     Of all :math:`d(s)` with :math:`\int_0^h d\, ds = v` and :math:`\int_0^h (h - s)\, d\, ds = p`
-    the one of least :math:`\max |d|` has that size all the time, and changes its sign once:
+    the one with the least :math:`\max |d|` has a constant absolute value, and changes sign once:
 
     .. math:: D = \frac{2 r + \sqrt{4 r^2 + h^2 v^2}}{h^2}, \qquad
               r = \big| p - \tfrac12 h v \big|
 
-    A constant one, r = 0, is :math:`|v| / h`.
+    For a constant d, r is 0 and D is :math:`|v| / h`.
 
     Parameters
     ----------
     moved, sped : (...,) ndarray
-        What a period added to position p [m or rad] and speed v [per s] beside what the servo's
-        held acceleration did.
+        Changes of position p [m or rad] and speed v [per s] in a period, minus those of the servo's
+        held acceleration.
     period : float
         Control period h [s].
 

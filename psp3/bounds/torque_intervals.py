@@ -1,8 +1,8 @@
-r"""Torque intervals that hold a stated share of torques.
+r"""Torque intervals that contain a given share of torques.
 
-The interval of a type-2 controller (:attr:`psp3.FuzzyComputedTorque.torque_interval`) says how far
-its rules disagree, not how far they are wrong. One number for each joint, learned from torques
-that were measured or that an exact model asks for, makes intervals of it that hold what they say.
+The interval of a type-2 controller (:attr:`psp3.FuzzyComputedTorque.torque_interval`) shows how far
+its rules disagree, not how wrong they are. With one number for each joint, learned from torques
+that were measured or computed with an exact model, it becomes an interval of guaranteed coverage.
 """
 
 from __future__ import annotations
@@ -15,37 +15,37 @@ from psp3.checks import Array, as_floats
 from psp3.errors import InvalidArray, InvalidValue, UnknownName
 
 SCALES = ("interval", "constant")
-"""What is stretched: the interval's own width, or one width for all states."""
+"""Choices of the scaled width: the interval's own width, or one width for all states."""
 
 
 class ConformalIntervals:
-    r"""Intervals that contain a stated share of torques, about the middles of given ones.
+    r"""Intervals that contain a given share of torques, about the middles of given intervals.
 
     .. math:: \Big[ m - r, m + r \Big], \qquad m = \tfrac12 (\underline\tau + \overline\tau), \quad
               r = q\, \tfrac12 (\overline\tau - \underline\tau) \text{ or } r = q
 
-    with q the conformal bound, joint by joint, of :math:`|\tau - m|` in units of the half-width or
-    by itself (:func:`psp3.bounds.conformal_bound`). A new torque of one joint is held with a
-    probability of at least ``share`` if state and torque are exchangeable with those given.
-    Samples of one run are not independent: take states at random, or whole runs that are like those
-    to come, of which many are worth more than long ones. Where a controller fell back on its
-    average (:attr:`psp3.FuzzyComputedTorque.fell_back`), its interval has no width to stretch.
+    where q is, for each joint, the conformal bound of :math:`|\tau - m|`, either in units of the
+    half-width or absolute (:func:`psp3.bounds.conformal_bound`). The interval contains a new torque
+    of one joint with a probability of at least ``share`` if state and torque are exchangeable with
+    those given. Samples of one run are not independent. Use random states, or whole runs like the
+    future ones; many runs are better than long ones. If a controller fell back on its average
+    (:attr:`psp3.FuzzyComputedTorque.fell_back`), its interval has no width to scale.
 
     Parameters
     ----------
     torques : (N, n) array_like
-        Torques [N or N m]: measured, or those that an exact model asks for.
+        Torques [N or N m], measured or computed with an exact model.
     intervals : (N, n, 2) array_like
         Intervals at the same states.
     share : float
-        Share of the torques of each joint that are to be held, in (0, 1).
+        Share of the torques of each joint that the intervals contain, in (0, 1).
     scale : {"interval", "constant"}
-        What q multiplies: the given half-widths, or 1, which leaves one half-width for all states.
+        What q multiplies: the given half-widths, or 1, which gives one half-width for all states.
 
     Attributes
     ----------
     factor : (n,) ndarray
-        q of each joint: a factor, or a half-width [N or N m].
+        The number q of each joint: a factor, or a half-width [N or N m].
 
     Raises
     ------
@@ -91,9 +91,9 @@ class ConformalIntervals:
         off = np.abs(torques - middle)
         if self.scale == "constant":
             return off
-        # An interval of no width holds its middle, and nothing else however it is stretched.
+        # An interval of no width contains only its middle, whatever the factor.
         bare = half == 0.0
-        with np.errstate(over="ignore"):  # intervals of next to no width, too
+        with np.errstate(over="ignore"):  # intervals of almost no width, too
             scores: Array = np.where(
                 bare, np.where(off > 0.0, np.inf, 0.0), off / np.where(bare, 1.0, half)
             )
@@ -112,7 +112,7 @@ class ConformalIntervals:
         return np.stack([middle - reach, middle + reach], axis=-1)
 
     def holds(self, torques: ArrayLike, intervals: ArrayLike) -> NDArray[np.bool_]:
-        """Return which torques (..., n) are in the intervals about those given, (..., n, 2).
+        """Return which torques (..., n) are in the new intervals about given ones, (..., n, 2).
 
         Raises
         ------
@@ -121,7 +121,7 @@ class ConformalIntervals:
         """
         middle, half = self._of_joints(intervals)
         measured = _torques(torques, middle.shape)
-        # By the scores of calibration: ends of intervals would be rounded.
+        # Decided by the scores of calibration, because the ends of intervals are rounded.
         return np.asarray(self._scores(measured, middle, half) <= self.factor)
 
     def _of_joints(self, intervals: ArrayLike) -> tuple[Array, Array]:

@@ -1,9 +1,9 @@
 r"""A tube around the desired motion in which controlled runs stay.
 
-Run by run it is asked how great a disturbing acceleration must have been, beside the servo's, for
-the robot to move as it did (:func:`residual_accelerations`). A bound that a stated share of runs
-keeps (:mod:`psp3.bounds.conformal`), times the greatest error that a disturbance of one unit can
-make (:meth:`psp3.bounds.ErrorDynamics.worst_error`), is the half-width of the tube.
+Each run shows how large a disturbing acceleration, added to the servo's, explains the robot's
+motion (:func:`residual_accelerations`). A given share of runs keeps a bound on it
+(:mod:`psp3.bounds.conformal`). This bound times the greatest error from a unit disturbance
+(:meth:`psp3.bounds.ErrorDynamics.worst_error`) is the half-width of the tube.
 """
 
 from __future__ import annotations
@@ -28,49 +28,51 @@ from psp3.robots.robot import Robot
 from psp3.simulation.result import Result
 
 FOR_PROPORTIONS = 10
-"""One of so many runs, and at least one, says how the bounds of the coordinates compare."""
+"""One of this many runs, and at least one, sets the proportions of the coordinates' bounds."""
 
 LEAST_PROPORTION = 1e-3
-"""No coordinate's bound is less than this share of the greatest one's."""
+"""Least bound of a coordinate, as a share of the greatest."""
 
 ROUNDING = 1e-9
-"""By this share the tube is wider, so that a run that just keeps its bounds keeps the tube."""
+"""Relative margin of the tube's width for rounding, so a run that just keeps its bounds keeps the
+tube."""
 
 EVEN = 1e-6
-"""Relative difference of control periods that is rounding of times."""
+"""Relative difference of control periods that counts as rounding of times."""
 
 
 def residual_accelerations(result: Result, kp: float, kv: float) -> Array:
-    r"""Return what must have disturbed a run under computed torque, period by period.
+    r"""Return the accelerations that disturbed a run under computed torque, for each period.
 
-    The least D for which some :math:`|d(t)| \le D` in the period, added to the servo acceleration
-    that is held, moves the robot as it was moved,
+    They are the least D for which some :math:`|d(t)| \le D` in the period, added to the held servo
+    acceleration, gives the observed motion,
 
     .. math:: \ddot a = \ddot a_d + k_v \dot e + k_p e + d,
 
-    see :func:`psp3.bounds.error_dynamics.least_disturbance`. Neither forces nor a model are asked
-    for: d is :math:`M^{-1} (\tau - \tau_\text{ideal})` of the robot as it is, with all that errors
-    of the learned model, noise, encoders, delay, friction and limits of force did to :math:`\tau`,
-    with what the desired acceleration and the robot's own dynamics change within a period, and with
-    nothing for holding the feedback, which :class:`psp3.bounds.ErrorDynamics` knows.
+    see :func:`psp3.bounds.error_dynamics.least_disturbance`. Neither forces nor a model are needed:
+    d is :math:`M^{-1} (\tau - \tau_\text{ideal})` of the real robot. It includes the effects on
+    :math:`\tau` of errors of the learned model, noise, encoders, delay, friction and force limits.
+    It also includes changes of the desired acceleration and of the robot's dynamics within a
+    period. It does not include the effect of holding the feedback, which
+    :class:`psp3.bounds.ErrorDynamics` models.
 
     Parameters
     ----------
     result : Result
-        A run of N samples at even times.
+        A run of N samples at equal intervals.
     kp, kv : float
         Gains of its controller [1/s²], [1/s].
 
     Returns
     -------
     (N - 1, k) ndarray
-        For each period and each of the k coordinates that are commanded [m/s² or rad/s²].
+        D for each period and each of the k commanded coordinates [m/s² or rad/s²].
 
     Raises
     ------
     InvalidValue
-        If the samples are fewer than two, not even or not finite, or errors do not settle with
-        these gains.
+        If there are fewer than two samples, if they are not at equal intervals or not finite, or if
+        errors do not settle with these gains.
     """
     loop = ErrorDynamics(kp, kv, period_of(result))
     errors, rates = errors_of(result)
@@ -87,7 +89,7 @@ def period_of(result: Result) -> float:
         raise InvalidValue("result", f"{len(result.t)} samples", "a run of at least two samples")
     steps = np.diff(result.t)
     period = float(result.t[-1] - result.t[0]) / len(steps)
-    # Times far from zero have fewer digits left for their differences.
+    # Differences of large times have fewer correct digits.
     rounding = EVEN * abs(period) + 4.0 * float(np.spacing(np.abs(result.t).max()))
     if not (period > 0.0 and np.abs(steps - period).max() <= rounding):
         raise InvalidValue("result", "times", "at even and ascending times, one a control period")
@@ -95,7 +97,7 @@ def period_of(result: Result) -> float:
 
 
 def errors_of(result: Result) -> tuple[Array, Array]:
-    """Return errors of positions and of speeds, (N, k) each, of what motors command.
+    """Return the errors of positions and speeds of commanded coordinates, (N, k) each.
 
     Raise :class:`InvalidValue` if one is not finite.
     """
@@ -106,62 +108,61 @@ def errors_of(result: Result) -> tuple[Array, Array]:
             raise InvalidValue(
                 "result",
                 f"{what} that are not finite",
-                "a run with all its samples; of one that did not reach its end there is no tube, "
-                "and calibration takes None for it",
+                "a complete run; one that did not reach its end has no tube, and calibration "
+                "takes None for it",
             )
     return errors
 
 
 class TrackingTube:
-    r"""A tube around the desired motion in which a stated share of runs stays.
+    r"""A tube around the desired motion in which a given share of runs stays.
 
     .. math:: |e_i(t_j)| \le \big| (F^j x_0)_e \big| + D_i
               \sum_{l < j} \int_0^h \big| (F^l)_{ee} (h - s) + (F^l)_{e \dot e} \big|\, ds
 
     at every control period, with F of :class:`psp3.bounds.ErrorDynamics`, the errors :math:`x_0` at
     the start, and the bounds :math:`D_i` of the residual accelerations. Every run that keeps these
-    bounds keeps the tube. One of ten calibration runs gives their proportions, and the rest of them
-    one factor, run by run the least that bounds all its coordinates in all its periods: it is the
-    conformal bound of these. So a new run keeps the tube, all of it all the time, with a
-    probability of at least ``share`` if it is exchangeable with the calibration runs: the same
-    robot, path, gains, period and duration, and whatever is random, rules learned from noise
-    included, drawn by the same law. Of other gains and paths nothing is guaranteed; see
-    :meth:`with_gains`.
+    bounds keeps the tube. One tenth of the calibration runs gives the proportions of the bounds.
+    Each other run gives the least factor that bounds all its coordinates in all its periods, and
+    the conformal bound of these factors is used. So a new run stays in the tube for its whole
+    duration and in all coordinates with a probability of at least ``share``, if it is exchangeable
+    with the calibration runs: it must have the same robot, path, gains, period and duration, and
+    everything random, including rules learned from noise, must be drawn from the same distribution.
+    For other gains and paths nothing is guaranteed; see :meth:`with_gains`.
 
     Parameters
     ----------
     runs : iterable of (Result or None)
-        Calibration runs, in an order that has nothing to do with what happened in them. A run that
-        did not reach its end is None and counts: it needs a share of its own among those that do
-        not keep the tube.
+        Calibration runs, in an order that does not depend on their outcome. A run that did not
+        reach its end is given as None, and counts as one that does not keep the tube.
     kp, kv : float
         Gains of their controller [1/s²], [1/s].
     share : float
-        Share of runs that are to keep the tube, in (0, 1).
+        Share of runs that keep the tube, in (0, 1).
 
     Attributes
     ----------
     dynamics : ErrorDynamics
         Gains and control period.
     share : float
-        As given.
+        Share of runs, as given.
     runs : int
         Number of calibration runs.
     residual : (k,) ndarray
         Bounds :math:`D_i` of the residual acceleration of each coordinate [m/s² or rad/s²].
     is_guaranteed : bool
-        Whether gains are those of the calibration runs.
+        Whether the gains are those of the calibration runs.
 
     Raises
     ------
     InvalidValue
-        If there are too few runs for the share, or too few of them reached their end; or they
-        differ in their control periods, durations or coordinates, or are not finite.
+        If there are too few runs for the share, or too few of them reached their end; also if they
+        differ in control period, duration or coordinates, or are not finite.
 
     Notes
     -----
-    A result says neither of which robot it is nor under which gains it was made: that runs are
-    those of one robot, and gains theirs, is up to the caller.
+    A result does not state its robot and gains. The caller must make sure that all runs have the
+    same robot, and the gains given here.
     """
 
     def __init__(
@@ -252,10 +253,10 @@ class TrackingTube:
         return bool((np.abs(errors_of(result)[0]) <= bounds).all())
 
     def with_gains(self, kp: float, kv: float) -> TrackingTube:
-        """Return the tube of other gains, with the bounds of the residual acceleration as they are.
+        """Return the tube for other gains, with unchanged bounds of the residual acceleration.
 
-        Nothing is guaranteed of it, since what a wrong model does to the force depends on what the
-        servo asks for: try it on runs with these gains.
+        It has no guarantee, because the effect of a wrong model on the force depends on the servo's
+        command. Test it on runs with these gains.
 
         Raises
         ------
@@ -269,14 +270,14 @@ class TrackingTube:
         return other
 
     def tip_width(self, robot: Robot, positions: ArrayLike) -> Array:
-        r"""Return how far the tip can be from a path in the tube, to first order in its width.
+        r"""Return the tip's greatest distance from a path in the tube, to first order in its width.
 
         .. math:: \max_{\sigma_i = \pm 1} \Big\lVert \sum_i \sigma_i \tfrac12 \big(
                   p(a + w_i u_i) - p(a - w_i u_i) \big) \Big\rVert
 
-        with the unit vectors :math:`u_i` and the half-widths w: the Jacobian of the tip p, as
-        differences over the tube, times the corner of the tube that is farthest. What is left out
-        is of the order of w² times the second derivatives of p.
+        with the unit vectors :math:`u_i` and the half-widths w: the Jacobian of the tip p, from
+        differences over the tube, times the farthest corner of the tube. The error is of the order
+        of w² times the second derivatives of p.
 
         Parameters
         ----------
@@ -308,7 +309,7 @@ class TrackingTube:
         if not np.isfinite(ways).all():
             raise InvalidValue("robot", robot.title, "one with a frame named tip")
         farthest = np.zeros(path.shape[:-1])
-        # Opposite corners are as far.
+        # Opposite corners are equally far.
         for signs in itertools.product((1.0, -1.0), repeat=k - 1):
             corner = ways[0] + sum(sign * way for sign, way in zip(signs, ways[1:], strict=True))
             np.maximum(farthest, np.linalg.norm(corner, axis=-1), out=farthest)
@@ -324,11 +325,11 @@ class TrackingTube:
 
 
 def runs_needed(share: float) -> int:
-    """Return how many runs a tube that a share of runs keeps needs at least.
+    """Return the least number of calibration runs for a tube that a share of runs keeps.
 
     See :class:`TrackingTube`.
     """
-    # What is left of n without one in ten, rounded up, is 9 n / 10, rounded down.
+    # Without one in ten, rounded up, 9 n / 10 runs are left, rounded down.
     return -(-FOR_PROPORTIONS * scores_needed(share) // (FOR_PROPORTIONS - 1))
 
 

@@ -11,7 +11,7 @@ from typer.core import TyperCommand, TyperGroup
 from psp3.cli.options import USAGE
 
 ANY_LENGTH = 1000
-"""Of a sentence: the help breaks lines, and leaves nothing out."""
+"""Length limit of a command's summary; large, because the help wraps long summaries."""
 
 
 def _nothing(*_: Any, **__: Any) -> None:
@@ -19,10 +19,10 @@ def _nothing(*_: Any, **__: Any) -> None:
 
 
 def _without_type(options: list[Any]) -> list[Any]:
-    """Return options and arguments without types of Python, which the reader need not know.
+    """Return options and arguments without Python's types, which users need not know.
 
-    Ranges such as ``[1<=x<=65000]`` are left out too: they take a third of a line of 80 letters
-    from all that is explained beside them. Whoever leaves a range is told so.
+    Ranges such as ``[1<=x<=65000]`` are also left out, because they take a third of a line of 80
+    characters. The error message for a value outside the range gives it.
     """
     for one in options:
         one._get_number_range_help_str = _nothing
@@ -34,11 +34,11 @@ def _without_type(options: list[Any]) -> list[Any]:
 
 
 class Command(TyperCommand):
-    """A command whose help breaks lines where the terminal ends, and shows no type of Python."""
+    """A command whose help wraps at the width of the terminal and shows no types of Python."""
 
     def __init__(self, *args: Any, **settings: Any) -> None:
         super().__init__(*args, **settings)
-        # Lines of the source code are shorter or longer than those of a terminal.
+        # The line breaks of the source code do not fit the terminal.
         paragraphs = inspect.cleandoc(self.help or "").split("\n\n")
         self.help = "\n\n".join(" ".join(one.split("\n")) for one in paragraphs)
 
@@ -48,9 +48,9 @@ class Command(TyperCommand):
 
 
 class Group(TyperGroup):
-    """The same of a group of commands, whose own help has no frames.
+    """A group of such commands, whose own help has no frames.
 
-    What draws them takes longer to import than all else that the help of a group needs.
+    Importing the code that draws frames takes longer than everything else in a group's help.
     """
 
     def __init__(self, **settings: Any) -> None:
@@ -62,7 +62,7 @@ class Group(TyperGroup):
         return _without_type(super().get_params(ctx))
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write the first sentence of every command, whole."""
+        """Write the full first sentence of every command."""
         commands = [(name, self.get_command(ctx, name)) for name in self.list_commands(ctx)]
         with formatter.section("Commands"):
             formatter.write_dl(

@@ -1,4 +1,4 @@
-"""Pages are opened in the user's browser."""
+"""Open pages in the user's browser."""
 
 from __future__ import annotations
 
@@ -6,14 +6,15 @@ import os
 import sys
 
 SCREENS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
-"""Variables of which a desktop sets one, and who has a browser elsewhere the last one."""
+"""Environment variables: a desktop sets one of the first, and users with a browser elsewhere set
+the last."""
 
 
 def open_page(url: str) -> bool:
-    """Show a page in the browser, and tell whether one was found.
+    """Show a page in the browser, and return whether a browser was found.
 
-    Without a screen none is looked for: one that runs in a terminal shows no robot, and would keep
-    the terminal.
+    Without a screen no browser is opened: one that runs in the terminal cannot show the robot, and
+    would block the terminal.
     """
     if sys.platform.startswith("linux") and not any(map(os.environ.get, SCREENS)):
         return False

@@ -1,4 +1,4 @@
-"""What commands compile: nothing where that would take longer than the rest, else it is told."""
+"""Compilation in commands: avoided if it takes longer than it saves, and reported otherwise."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from fuzzy2.support.announcements import Compilation
 from psp3.cli.output import say
 
 REDRAWN = 0.5
-"""Time after which the share that is done is written anew [s]."""
+"""Interval at which the finished share is updated [s]."""
 
 MOST = 0.99
-"""Largest share that is shown: how long it takes is a guess."""
+"""Largest share that is shown, because the total time is only estimated."""
 
 
 def one_off(command: Callable[..., None]) -> Callable[..., None]:
-    """Return a command that asks its robot a few questions, for which nothing is compiled."""
+    """Return a command that runs without compilation, because it makes only a few evaluations."""
 
     @functools.wraps(command)
     def run(*arguments: object, **options: object) -> None:
@@ -47,7 +47,7 @@ def simulating(command: Callable[..., None]) -> Callable[..., None]:
 
 @contextmanager
 def compilation_shown(coming: Compilation) -> Iterator[None]:
-    """Say on standard error what is compiled, and on a terminal how much of it may be done."""
+    """Report compilation on standard error, on a terminal with the estimated progress."""
     say(coming, err=True)
     if not sys.stderr.isatty():
         yield
@@ -63,7 +63,7 @@ def compilation_shown(coming: Compilation) -> Iterator[None]:
 
 
 def _show_share(seconds: float, done: threading.Event) -> None:
-    """Write how much of the time has gone by, over and over in one line, which is gone at last."""
+    """Rewrite a line with the share of the elapsed time, and clear it at the end."""
     begun, text = time.monotonic(), ""
     while not done.wait(REDRAWN):
         share = min((time.monotonic() - begun) / seconds, MOST)

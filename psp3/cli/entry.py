@@ -1,4 +1,4 @@
-"""The command ``psp3``: everything this package does, from a terminal.
+"""The command ``psp3``, the package on the command line.
 
 Only typer is imported here; each command imports what it needs when it runs, so that
 ``psp3 --help`` answers at once. Results go to standard output, progress and errors to standard
@@ -48,7 +48,7 @@ def main() -> None:
     """Run the command line and exit: status 0, 2 for wrong usage or input, 130 for Ctrl-C."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            # Where the terminal knows no Greek a question mark is better than an error.
+            # On a terminal without Greek letters a question mark is better than an error.
             stream.reconfigure(errors="replace")
     try:
         with announced_by(compilation_shown):
@@ -58,7 +58,7 @@ def main() -> None:
     except (KeyboardInterrupt, typer.Abort):
         status = INTERRUPTED
     except BrokenPipeError:
-        # Whoever read the output has had enough.
+        # The reader of the output, such as ``head``, closed the pipe.
         status = 1
     except Exception as error:
         message = error_message(error)
@@ -73,9 +73,9 @@ def main() -> None:
 
 
 def _let_go_of_output() -> None:
-    """Write what is left, if it can be written.
+    """Flush the output, if possible.
 
-    Python flushes once more at exit; what cannot be written would change the status then.
+    Python flushes again at exit, where a failure would change the exit status.
     """
     try:
         sys.stdout.flush()

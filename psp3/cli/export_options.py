@@ -1,4 +1,4 @@
-"""What the commands ``psp3 export ...`` ask alike: what to write, and of which robot."""
+"""Options that the commands ``psp3 export ...`` share: what to write, and its robot."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ ROBOT_OR_CONTROLLER = (
 
 @dataclass(frozen=True, kw_only=True)
 class ThingOptions:
-    """What is written: a robot, or something else and the robot that it is for."""
+    """What is written: a robot, or a controller or fuzzy system and its robot."""
 
     thing: Annotated[
         str,
@@ -41,7 +41,7 @@ class ThingOptions:
         str | None,
         typer.Argument(
             metavar="ROBOT",
-            help="The robot of a controller, where it is one from a file.",
+            help="The robot of a controller that is read from a file.",
             show_default=False,
         ),
     ] = None
@@ -51,7 +51,7 @@ class ThingOptions:
             parser=file_path,
             metavar="FILE",
             rich_help_panel=ROBOT,
-            help="Loop file (.yaml) of a URDF; the one beside it, of its name, unless given.",
+            help="Loop file (.yaml) of a URDF; default the file of the same name beside it.",
         ),
     ] = None
     actuated: ActuatedOption = None
@@ -59,19 +59,19 @@ class ThingOptions:
     parameters: ParametersOption = None
 
     def open(self) -> tuple[Any, ClosedLoopRobot | None]:
-        """Return what is to be written, and its robot, if it is none and has one.
+        """Return what to write and, unless that is a robot, its robot if there is one.
 
         Raises
         ------
         typer.BadParameter
-            If an option is given that means nothing here.
+            If an option is given that does not apply.
         """
         from psp3.export.project import is_robot, opened
 
         if is_robot(self.thing):
             if self.robot is not None:
                 raise usage_error(
-                    f"ROBOT is for controllers, and {self.thing} is a robot itself: leave out "
+                    f"ROBOT is for controllers, but {self.thing} is a robot: leave out "
                     f"{self.robot}, or give a loop file as --loops"
                 )
             return self._robot(self.thing), None
@@ -79,12 +79,13 @@ class ThingOptions:
             robot = self._robot(self.robot)
             thing = opened(self.thing, robot)
             if not hasattr(thing, "torque"):
-                raise usage_error(f"ROBOT is for controllers, and {self.thing} is none")
+                raise usage_error(f"ROBOT is for controllers, but {self.thing} is not a controller")
             return thing, robot
         for name, value in self._of_the_robot().items():
             if value is not None:
                 raise usage_error(
-                    f"{option_of(name)} is an option of a robot: name that of {self.thing} as ROBOT"
+                    f"{option_of(name)} is an option of a robot: give the robot of {self.thing} "
+                    "as ROBOT"
                 )
         return opened(self.thing), None
 
@@ -121,7 +122,7 @@ class DriveOptions:
             parser=numbers,
             metavar="KG*M2",
             rich_help_panel=DRIVES,
-            help="Inertia of what turns with the motor (kg m²); needs --lead.",
+            help="Inertia of the parts that turn with the motor (kg m²); needs --lead.",
         ),
     ] = None
     lead: Annotated[

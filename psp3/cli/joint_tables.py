@@ -1,4 +1,4 @@
-"""What commands say of the joints of any robot: labels, units, and what each joint is there for."""
+"""Tables of the joints of any robot: labels, units, and the role of each joint."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class JointRow(NamedTuple):
 
     joint: str
     values: Any
-    """Its part of the configuration, (k,) [m, rad; of a ball a quaternion]."""
+    """Its part of the configuration, (k,) [m, rad; a quaternion for a ball joint]."""
     unit: str
     role: str
     """``motor``, ``coordinate``, ``held`` or ``follows``."""
@@ -41,22 +41,22 @@ def force_units(robot: ClosedLoopRobot) -> list[str]:
 
 
 def commanded_joints(robot: ClosedLoopRobot) -> tuple[str, ...]:
-    """Return the coordinates that the motors command, (k); of them a motion is desired."""
+    """Return the coordinates that the motors command, (k); desired motions are given in these."""
     return robot.coordinates[: robot.commanded]
 
 
 def what_follows(robot: ClosedLoopRobot) -> str:
-    """Say which coordinates no motor commands, and what becomes of them; nothing if all are."""
+    """Describe the coordinates that no motor commands, and how they move; empty if none."""
     others = robot.coordinates[robot.commanded :]
     if not others:
         return ""
     falls = robot.reference.size > robot.coordinates_v.size
-    base = f"; {others[-1]} floats: nothing holds the robot up, so that it falls" if falls else ""
+    base = f"; {others[-1]} floats: nothing holds the robot up, so it falls" if falls else ""
     return f"no motor commands {', '.join(others)}, which follow{base}"
 
 
 def joint_units(robot: ClosedLoopRobot, names: Iterable[str]) -> list[str]:
-    """Return ``rad``, ``m`` or nothing for each joint or motor; a tendon's is not known."""
+    """Return the unit, ``rad`` or ``m``, of each joint or motor; empty for a tendon."""
     from psp3.kinematics.tasks import rotating
 
     turning = rotating(robot.model)

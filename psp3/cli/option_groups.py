@@ -26,14 +26,14 @@ from psp3.cli.options import (
 
 @dataclass(frozen=True, kw_only=True)
 class MotionOptions:
-    """What a motion is like; which one it is, ``--trajectory`` says."""
+    """Parameters of a motion; ``--trajectory`` chooses which motion it is."""
 
     amplitude: Annotated[
         float | None,
         typer.Option(
             metavar="A",
             rich_help_panel=MOTION,
-            help="How far sway moves each motor (m, rad); as far as is easy unless given.",
+            help="How far sway moves each motor (m, rad); default as far as it easily can.",
         ),
     ] = None
 
@@ -42,7 +42,7 @@ class MotionOptions:
         typer.Option(
             metavar="M",
             rich_help_panel=MOTION,
-            help="Radius of helix and circle (m); 0.02 unless given.",
+            help="Radius of helix and circle (m); default 0.02.",
         ),
     ] = None
     turn_time: Annotated[
@@ -50,7 +50,7 @@ class MotionOptions:
         typer.Option(
             metavar="S",
             rich_help_panel=MOTION,
-            help="Time for a turn of helix, circle and sway (s); 2 unless given.",
+            help="Time for a turn of helix, circle and sway (s); default 2.",
         ),
     ] = None
     rise: Annotated[
@@ -58,7 +58,7 @@ class MotionOptions:
         typer.Option(
             metavar="M/S",
             rich_help_panel=MOTION,
-            help="Vertical speed of the helix (m/s); 0.01 unless given.",
+            help="Vertical speed of the helix (m/s); default 0.01.",
         ),
     ] = None
     start_height: Annotated[
@@ -66,7 +66,7 @@ class MotionOptions:
         typer.Option(
             metavar="M",
             rich_help_panel=MOTION,
-            help="Tip height where helix and circle start (m); 0.07, home, unless given.",
+            help="Tip height where helix and circle start (m); default 0.07, the home pose.",
         ),
     ] = None
     start: Annotated[
@@ -76,8 +76,8 @@ class MotionOptions:
             metavar="X,Y,Z",
             rich_help_panel=MOTION,
             help=(
-                "Where line and point-to-point start: the tip (m), of another robot than the 3-PSP "
-                "its motors (m, rad), in the reference pose unless given."
+                "Start of line and point-to-point: the tip (m), for robots other than the 3-PSP "
+                "the motors (m, rad); default the reference pose."
             ),
         ),
     ] = None
@@ -87,7 +87,7 @@ class MotionOptions:
             parser=numbers,
             metavar="X,Y,Z",
             rich_help_panel=MOTION,
-            help="Where line and point-to-point end, likewise (m), (m, rad).",
+            help="End of line and point-to-point, in the same form as --start.",
         ),
     ] = None
     travel_time: Annotated[
@@ -95,7 +95,7 @@ class MotionOptions:
         typer.Option(
             metavar="S",
             rich_help_panel=MOTION,
-            help="Time that line and point-to-point take (s); 2 unless given.",
+            help="Time that line and point-to-point take (s); default 2.",
         ),
     ] = None
     tip: Annotated[
@@ -107,8 +107,8 @@ class MotionOptions:
             metavar="X,Y,Z",
             rich_help_panel=MOTION,
             help=(
-                "What to hold: the tip (m), of another robot its motors (m, rad); home unless "
-                "given."
+                "What to hold: the tip (m), for robots other than the 3-PSP the motors (m, rad); "
+                "default home."
             ),
         ),
     ] = None
@@ -118,28 +118,28 @@ class MotionOptions:
             metavar="S",
             rich_help_panel=MOTION,
             help=(
-                f"Time in all (s); unless given until the motion ends, {SAMPLED} if it never does, "
-                f"{SAMPLED_FALL} where coordinates follow the motors'."
+                f"Total time (s); default until the motion ends, {SAMPLED} if it never does, "
+                f"{SAMPLED_FALL} if some coordinates follow the motors."
             ),
         ),
     ] = None
 
     def of_the_path(self) -> dict[str, Any]:
-        """Return all but the duration, which every motion takes."""
+        """Return the options of the path: all except the duration, which every motion has."""
         return {name: value for name, value in vars(self).items() if name != "duration"}
 
 
 @dataclass(frozen=True, kw_only=True)
 class GainOptions:
-    """Gains of a controller; None is the controller's own."""
+    """Gains of a controller; None takes the controller's default."""
 
     kp: Annotated[
         float | None,
         typer.Option(
             metavar="GAIN",
             help=(
-                "Proportional gain: N/m, 1/s² for ctc. Unless given the thesis's, 1000, 10 for "
-                "ctc; of another robot that of a bandwidth of 20 rad/s."
+                "Proportional gain: N/m, 1/s² for ctc; default the thesis's, 1000, 10 for ctc; "
+                "for robots other than the 3-PSP that of a bandwidth of 20 rad/s."
             ),
         ),
     ] = None
@@ -148,8 +148,8 @@ class GainOptions:
         typer.Option(
             metavar="GAIN",
             help=(
-                "Derivative gain: N s/m, 1/s for ctc. Unless given the thesis's, 100, 1 for ctc; "
-                "of another robot critical damping."
+                "Derivative gain: N s/m, 1/s for ctc; default the thesis's, 100, 1 for ctc; for "
+                "robots other than the 3-PSP critical damping."
             ),
         ),
     ] = None
@@ -157,14 +157,15 @@ class GainOptions:
         float | None,
         typer.Option(
             metavar="GAIN",
-            help="Integral gain of pid: N/(m s); 2000, of another robot 10/s of kp, unless given.",
+            help="Integral gain of pid: N/(m s); default 2000, for robots other than the 3-PSP "
+            "10/s of kp.",
         ),
     ] = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class OutputOptions:
-    """Where the samples of a motion go."""
+    """Outputs for the samples of a motion."""
 
     csv: Annotated[
         Path | None,
@@ -172,7 +173,7 @@ class OutputOptions:
             parser=csv_output,
             metavar="FILE",
             rich_help_panel=OUTPUT,
-            help="Write all samples as CSV, SI units; - is standard output.",
+            help="Write all samples as CSV in SI units; - is standard output.",
         ),
     ] = None
     figure: Annotated[
@@ -195,16 +196,17 @@ class OutputOptions:
     ] = False
 
     def check(self) -> None:
-        """Refuse two outputs that both want standard output."""
+        """Refuse two outputs that both go to standard output."""
         if self.json and self.csv == Path("-"):
             raise usage_error("--json and --csv - both want standard output; give --csv a file")
 
 
 def single_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Return a command of whose groups typer sees the single options.
+    """Return a command with its groups unfolded, so that typer sees single options.
 
-    A parameter that is annotated with a dataclass is a group. In the signature its fields stand in
-    its place, with their options and defaults; the command is called with one object made of them.
+    A parameter that is annotated with a dataclass is a group. In the signature the fields of the
+    dataclass replace it, with their options and defaults; the command is called with one object
+    made from them.
     """
     groups: dict[str, type] = {}
     parameters = []
@@ -232,7 +234,7 @@ def single_options(command: Callable[..., None]) -> Callable[..., None]:
             given[name] = group(**options)
         command(**given)
 
-    # Typer reads the options from these two.
+    # Typer reads the options from these two attributes.
     run.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     signature: Any = run
     signature.__signature__ = inspect.Signature(parameters)

@@ -1,4 +1,4 @@
-"""Options that several commands share, and how their texts are read."""
+"""Options that several commands share, and the parsers of their values."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ USAGE, INTERRUPTED = 2, 130
 """Exit statuses: wrong usage or input, and Ctrl-C."""
 
 RIGHT_ANGLE = 90.0
-"""A star cannot be tilted that far [degrees]."""
+"""The star's tilt must be less than this [degrees]."""
 
 FIGURE_FORMATS = (".pdf", ".png", ".svg")
 SAMPLED = "10.4"
-"""Default duration of a motion without an end of its own [s], that of the thesis's simulations."""
+"""Default duration of a motion without an end of its own [s], as in the thesis's simulations."""
 
 SAMPLED_FALL = "2"
-"""And of a robot whose coordinates follow: a floating one falls 20 m in it."""
+"""The same for a robot with passive coordinates: a floating one falls 20 m in this time."""
 
 
 class Triple(NamedTuple):
@@ -84,7 +84,7 @@ class InitialSpeed(StrEnum):
     PATH = "path"
 
 
-# What the options look like
+# Parsers of the options
 
 
 def _numbers(text: str) -> tuple[float, ...]:
@@ -95,7 +95,7 @@ def _numbers(text: str) -> tuple[float, ...]:
 
 
 def triple(text: str) -> Triple:
-    """Read three numbers, separated by commas."""
+    """Parse three numbers, separated by commas."""
     numbers = _numbers(text)
     if len(numbers) != len(Triple._fields):
         raise typer.BadParameter(
@@ -105,12 +105,12 @@ def triple(text: str) -> Triple:
 
 
 def numbers(text: str) -> Numbers:
-    """Read numbers, separated by commas."""
+    """Parse numbers, separated by commas."""
     return Numbers(_numbers(text))
 
 
 def of_each(option: str, given: Numbers, names: Sequence[str]) -> tuple[float, ...]:
-    """Return numbers, one for each name; refuse another number of them."""
+    """Return numbers, one for each name; refuse any other count."""
     if len(given.values) != len(names):
         text = ",".join(f"{number:g}" for number in given.values)
         raise usage_error(
@@ -133,18 +133,18 @@ def _counted(number: int, what: str) -> str:
 
 
 def limit_of_torque(text: str) -> Limit:
-    """Read positive numbers."""
+    """Parse positive numbers."""
     given = _numbers(text)
     if not all(math.isfinite(number) and number > 0.0 for number in given):
-        raise typer.BadParameter(f"{text!r} are not positive numbers, separated by commas")
+        raise typer.BadParameter(f"{text!r} is not a list of positive numbers separated by commas")
     return Limit(given)
 
 
 def file_path(text: str) -> Path:
-    """Refuse a name without a letter: it would mean the folder where the command runs."""
-    # Typer hands over the default, too, which is a path.
+    """Refuse an empty name, which would mean the current folder."""
+    # Typer passes the default, which is a path, too.
     if not str(text).strip():
-        raise typer.BadParameter(f"{text!r} names no file")
+        raise typer.BadParameter(f"{text!r} is not the name of a file")
     return Path(text)
 
 
@@ -152,12 +152,12 @@ def folder_path(text: str) -> Path:
     """Refuse a folder that is a file."""
     path = file_path(text)
     if path.exists() and not path.is_dir():
-        raise typer.BadParameter(f"{text} is no directory: name a directory")
+        raise typer.BadParameter(f"{text} is not a directory: name a directory")
     return path
 
 
 def output_file(text: str) -> Path:
-    """Refuse what cannot be written before anything is computed, not after."""
+    """Refuse an output that cannot be written, before anything is computed."""
     path = file_path(text)
     if path.is_dir():
         raise typer.BadParameter(f"{text} is a directory")
@@ -169,10 +169,10 @@ def output_file(text: str) -> Path:
 
 
 def output_named(what: str, *endings: str) -> Callable[[str], Path]:
-    """Return how the name of an output is read, which must end as its programs expect."""
+    """Return a parser for the name of an output, which must have one of these endings."""
 
     def output(text: str) -> Path:
-        # A directory has no ending, and is told as what it is.
+        # A directory is reported as a directory, not for its ending.
         if Path(text).suffix.lower() not in endings and not Path(text).is_dir():
             raise typer.BadParameter(f"{text}: the name of {what} must end in {', '.join(endings)}")
         return output_file(text)
@@ -189,7 +189,7 @@ table_output = output_named("a table", ".csv")
 
 
 def csv_output(text: str) -> Path:
-    """Return a file to write samples to, or the sign of standard output."""
+    """Return a file to write samples to, or ``-`` for standard output."""
     return Path("-") if text == "-" else table_output(text)
 
 
@@ -198,7 +198,7 @@ Model = Annotated[
     typer.Option(
         metavar="NAME",
         help=(
-            "Where M, C and G come from: closed_form (of the 3-PSP, unless given), core (of any "
+            "Source of M, C and G: closed_form (default for the 3-PSP), core (default for any "
             "other robot), pinocchio or noc."
         ),
     ),
@@ -209,8 +209,8 @@ TorqueLimit = Annotated[
         parser=limit_of_torque,
         metavar="N",
         help=(
-            "Largest force (N) or torque (N m) of a motor, one number or one each; none unless "
-            "given."
+            "Largest force (N) or torque (N m) of the motors, one number for all or one for each; "
+            "default none."
         ),
     ),
 ]
@@ -222,8 +222,7 @@ Positions = Annotated[
         parser=numbers,
         metavar="A1,A2,…",
         help=(
-            "Positions of the coordinates, which are the motors as a rule (m, rad); those of the "
-            "reference pose unless given."
+            "Positions of the coordinates, usually the motors (m, rad); default the reference pose."
         ),
     ),
 ]
@@ -242,18 +241,18 @@ TrajectoryText = Annotated[
         metavar="NAME",
         rich_help_panel=MOTION,
         help=(
-            "helix (of the 3-PSP, unless given), circle, line, point-to-point, hold, sway (of any "
-            "other robot), or csv:FILE for a motion on file."
+            "Motion: helix (default for the 3-PSP), circle, line, point-to-point, hold, sway "
+            "(default for other robots), or csv:FILE for a motion in a file."
         ),
     ),
 ]
 
 
-# What the commands share
+# Helpers that the commands share
 
 
 def usage_error(message: str) -> typer.BadParameter:
-    """Return the error that says how a command is used."""
+    """Return the error for wrong usage."""
     return typer.BadParameter(message)
 
 
@@ -269,7 +268,7 @@ def listed(names: Iterable[str]) -> str:
 
 
 def only_allowed(chosen: str, given: dict[str, Any], allowed: Iterable[str]) -> dict[str, Any]:
-    """Keep the options that were given; refuse those that mean nothing for what was chosen."""
+    """Return the options that were given; refuse those that do not apply to the choice."""
     allowed = tuple(allowed)
     kept = {name: value for name, value in given.items() if value is not None}
     for name in kept:

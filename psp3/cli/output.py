@@ -1,4 +1,4 @@
-"""What commands print and write: tables, JSON, CSV files, figures, progress and errors."""
+"""Output of commands: tables, JSON, CSV files, figures, progress and errors."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 
 
 KEYS = 2
-"""Columns that say what a row is about, repeated where a table is divided."""
+"""Number of columns that identify a row; they are repeated when a table is divided."""
 
 
 def printable_text(text: str) -> str:
-    """Return a text with nothing in it that a terminal obeys."""
+    """Return a text without control characters that a terminal would obey."""
     from fuzzy2.errors import printable
 
     return printable(text)
@@ -58,12 +58,12 @@ def _is_number(word: str) -> bool:
 
 
 def _is_text(column: Sequence[str]) -> bool:
-    """Tell whether a column holds sentences, which may wrap, and not only rows of numbers."""
+    """Return whether a column holds sentences, which may wrap, instead of numbers."""
     return any(" " in cell and not all(map(_is_number, cell.split())) for cell in column)
 
 
 def _least_width(heading: str, column: Sequence[str]) -> int:
-    """Return the length of the longest piece of a column that is not broken."""
+    """Return the length of a column's longest piece that must not be broken."""
     pieces = [word for cell in column for word in cell.split()] if _is_text(column) else column
     return max(map(len, (*heading.split(), *pieces)), default=0)
 
@@ -74,7 +74,7 @@ def _room_of(widths: Sequence[int]) -> int:
 
 
 def _widened(least: Sequence[int], columns: Sequence[Sequence[str]], room: int) -> list[int]:
-    """Return widths of columns that fit: sentences get what room there is, the longest first."""
+    """Return widths of columns that fit; the room that is left goes to the longest sentences."""
     widths = list(least)
     longest = [max(map(len, column), default=0) if _is_text(column) else 0 for column in columns]
     for _ in range(room - _room_of(widths)):
@@ -85,7 +85,7 @@ def _widened(least: Sequence[int], columns: Sequence[Sequence[str]], room: int) 
 
 
 def _parts(widths: Sequence[int], room: int) -> list[list[int]]:
-    """Divide columns of least widths so that each part fits, every one with the first two."""
+    """Divide columns into parts that fit, each with the first two columns."""
     parts: list[list[int]] = [[]]
     for number in range(len(widths)):
         wanted = [*parts[-1], number]
@@ -97,7 +97,7 @@ def _parts(widths: Sequence[int], room: int) -> list[list[int]]:
 
 
 def _narrow_table(headings: Sequence[str], columns: Sequence[Sequence[str]], room: int) -> Table:
-    """Return a table that breaks headings and sentences between words, and numbers never."""
+    """Return a table that wraps headings and sentences between words, but never numbers."""
     import textwrap
 
     from rich import box
@@ -109,7 +109,7 @@ def _narrow_table(headings: Sequence[str], columns: Sequence[Sequence[str]], roo
     for heading, narrowest, width in zip(
         headings, least, _widened(least, columns, room), strict=True
     ):
-        # Fixed, for widths that are left to it may get less than their longest word.
+        # Fixed widths, because rich may choose widths smaller than the longest word.
         table.add_column(Text("\n".join(textwrap.wrap(heading, narrowest))), width=width)
     for row in zip(*columns, strict=True):
         table.add_row(*map(Text, row))
@@ -119,8 +119,8 @@ def _narrow_table(headings: Sequence[str], columns: Sequence[Sequence[str]], roo
 def show_narrow(title: str, headings: list[str], rows: list[list[str]], note: str = "") -> None:
     """Print a table between its title and a note.
 
-    What does not fit beside the rest, 80 columns or the terminal's, comes below it, with the first
-    two columns again.
+    Columns that do not fit into the terminal, or 80 characters, follow below, with the first two
+    columns repeated.
     """
     from rich.console import Console
     from rich.text import Text
@@ -151,7 +151,7 @@ def show(*tables: Table) -> None:
 
 
 def show_text(text: str) -> None:
-    """Print a sentence in as many lines as it takes, none broken within a word."""
+    """Print a sentence, wrapped between words."""
     from rich.console import Console
     from rich.text import Text
 
@@ -159,14 +159,14 @@ def show_text(text: str) -> None:
 
 
 def say(text: object = "", err: bool = False) -> None:
-    """Print a line, with nothing in it that a terminal obeys."""
+    """Print a line without control characters."""
     typer.echo(printable_text(str(text)), err=err)
 
 
 def print_json(content: dict[str, Any]) -> None:
-    """Print content as JSON; numbers that JSON does not know are null.
+    """Print content as JSON; infinity and NaN become null.
 
-    Letters are readable, and what is not is written as JSON writes it.
+    Letters stay readable; other special characters are escaped.
     """
     import json
 
@@ -179,20 +179,20 @@ def print_json(content: dict[str, Any]) -> None:
 
 
 ROUNDING = 1e-12
-"""Share of what a number is measured by up to which it is rounding, and shown as 0."""
+"""Numbers up to this share of their scale are rounding errors, and shown as 0."""
 
 
 def plain_number(value: float, digits: int = 6, scale: float = 1.0) -> str:
-    """Return a number as people write it: 0 where nothing but rounding is left, and never -0.
+    """Return a number as text, with 0 for a rounding error and never -0.
 
     Parameters
     ----------
     value : float
         The number.
     digits : int
-        Significant ones.
+        Significant digits.
     scale : float
-        What it is measured by.
+        Scale of the number, which decides what is a rounding error.
     """
     return f"{0.0 if abs(value) <= ROUNDING * scale else value:.{digits}g}"
 
@@ -216,7 +216,7 @@ def write_csv(path: Path, columns: dict[str, Any]) -> None:
     writer.writerow(columns)
     writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
     if path == Path("-"):
-        # A program that reads this gets the names as they are; a person sees them.
+        # A program that reads the output gets the exact names; a terminal gets printable ones.
         shown = printable_text(text.getvalue()) if sys.stdout.isatty() else text.getvalue()
         sys.stdout.write(shown)
     else:
@@ -262,9 +262,9 @@ def progress_bar(description: str, total: float) -> Iterator[Callable[[float], N
 
 @contextmanager
 def progress_bars() -> Iterator[tuple[Progress, bool]]:
-    """Show bars of things done, of how many, on standard error.
+    """Show progress bars with counts on standard error.
 
-    Also say whether that is a terminal; if not, no bar is drawn.
+    Also yield whether standard error is a terminal; if not, no bar is drawn.
     """
     from rich.console import Console
     from rich.progress import (
@@ -290,10 +290,10 @@ def progress_bars() -> Iterator[tuple[Progress, bool]]:
 
 @contextmanager
 def counted_progress(what: str) -> Iterator[Callable[[int, int, float], None]]:
-    """Show things done, their rate and the remaining time on standard error.
+    """Show the number of finished items, their rate and the remaining time on standard error.
 
-    As a bar on a terminal, else as a line every tenth of the way. What is yielded takes the number
-    of things that are done, the number of all, and the rate [1/s].
+    On a terminal this is a bar, otherwise a line after every tenth. The yielded function takes the
+    number of finished items, the number of all items, and the rate [1/s].
     """
     tenths = -1
     with progress_bars() as (bars, on_terminal):
@@ -303,7 +303,8 @@ def counted_progress(what: str) -> Iterator[Callable[[int, int, float], None]]:
             nonlocal task, tenths
             text = f"{rate:.1f} {what}/s" if rate else ""
             if task is None:
-                # Only now, so that what an earlier session did does not count as speed.
+                # Started only now, so the work of an earlier session does not count towards the
+                # rate.
                 task = bars.add_task(text, total=total, completed=done)
             bars.update(task, completed=done, description=text)
             if not on_terminal and 10 * done // total > tenths:
@@ -315,7 +316,7 @@ def counted_progress(what: str) -> Iterator[Callable[[int, int, float], None]]:
 
 
 def cell_text(value: Any) -> str:
-    """Return a number as it stands in a table, and a dash for None."""
+    """Return a number as tables show it, and a dash for None."""
     if value is None:
         return "–"
     if not isinstance(value, float):
@@ -333,7 +334,7 @@ OPTIONS = {
     "snr_db": "--snr",
     "psp3.load('my_robot.urdf')": "my_robot.urdf",
 }
-"""What remedies are called in Python, and on the command line."""
+"""Names of remedies in Python, and on the command line."""
 
 
 REMEDIES = {
@@ -342,7 +343,7 @@ REMEDIES = {
     " is a file": "name a directory",
     " is a directory": "name a file",
 }
-"""What to do where a message ends in some words."""
+"""Advice for messages with certain endings."""
 
 
 def _commands_of(context: Any) -> str:
@@ -351,21 +352,21 @@ def _commands_of(context: Any) -> str:
 
 
 def as_options(text: str) -> str:
-    """Return a text of the library with its remedies in words of the command line."""
+    """Return a message of the library with its remedies in terms of the command line."""
     for argument, option in OPTIONS.items():
         text = text.replace(argument, option)
     return _with_remedy(_with_option(text))
 
 
 def _with_option(text: str) -> str:
-    """Return a text that begins with the option that a value was given to, not with its name."""
+    """Return a message that begins with the option instead of the parameter's name."""
     name, must, rest = text.partition(" must be ")
     option = "--" + name.replace("_", "-").replace(" ", "-")
     return f"{option}{must}{rest}" if option in sys.argv else text
 
 
 def _with_remedy(text: str) -> str:
-    """Return a text with what to do, where it ends without that."""
+    """Return a message with advice added if it has none."""
     for ending, remedy in REMEDIES.items():
         if text.endswith(ending):
             return f"{text}: {remedy}"
@@ -373,19 +374,19 @@ def _with_remedy(text: str) -> str:
 
 
 def _refused_by_library(error: Exception) -> str:
-    """Return the value that typer's own reader refused without repeating it, or nothing."""
+    """Return the value that typer's own parser refused without repeating it, if any."""
     details = getattr(error.__cause__, "errors", None)
     if details is None:
         return ""
-    # Our readers' texts name their values; a ValueError of theirs is what they raise.
+    # A ``value_error`` comes from our own parsers, whose messages already name the value.
     values = [one["input"] for one in details() if one["type"] != "value_error"]
     return f", got {values[0]!r}" if values else ""
 
 
 def error_message(error: Exception) -> str | None:
-    """Return what a person needs to read of an error, in one line that is not too long.
+    """Return a short one-line message of an error for a person.
 
-    None if it is none that a person made.
+    It is None if the error is not a user's mistake.
     """
     from fuzzy2.support.bounded_files import shortened
 
@@ -397,8 +398,8 @@ def _words_of(error: Exception) -> str | None:
     if hasattr(error, "format_message"):
         context = getattr(error, "ctx", None)
         command = "psp3" if context is None else context.command_path
-        # The prefixes are typer's: what we say ourselves names its options, and the values that it
-        # refuses speak for themselves.
+        # Typer's prefixes are removed: our own messages name their options, and the refused values
+        # are clear without them.
         text = (
             error.format_message()
             .removeprefix("Invalid value: ")
@@ -409,7 +410,7 @@ def _words_of(error: Exception) -> str | None:
         text = _with_remedy(f"{' '.join(text.split())}{_refused_by_library(error)}")
         return f"{command}: {text} (see {command} --help)"
     if isinstance(error, MemoryError):
-        return "psp3: this takes more memory than there is; ask for less time or fewer samples"
+        return "psp3: there is not enough memory for this; choose a shorter time or fewer samples"
     from fuzzy2.errors import RaisedOnPurpose
 
     if isinstance(error, RaisedOnPurpose):

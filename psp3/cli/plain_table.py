@@ -1,4 +1,4 @@
-"""Tables of texts that come from files: nothing in them is markup, and no terminal obeys them."""
+"""Tables of texts from files, whose cells are never read as markup or terminal controls."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fuzzy2.errors import printable
 
 
 class PlainTable(Table):
-    """A table of rich whose titles, headings and cells are shown letter by letter."""
+    """A rich table whose titles, headings and cells are shown verbatim."""
 
     def __init__(self, title: str, note: str, **how: Any) -> None:
         super().__init__(title=plain(title), caption=plain(note) if note else None, **how)
@@ -26,5 +26,5 @@ class PlainTable(Table):
 
 
 def plain(text: Any) -> Any:
-    """Return a text as rich shows it letter by letter; what is no text stays."""
+    """Return a text that rich shows verbatim; other objects are returned unchanged."""
     return Text(printable(text)) if isinstance(text, str) else text

@@ -1,4 +1,4 @@
-"""Which robot a command is about: one of the package, or a file."""
+"""The options that choose a command's robot: one of the package, or a file."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ ParametersOption = Annotated[
         metavar="NAME",
         rich_help_panel=ROBOT,
         help=(
-            "Parameter set of the 3-PSP: default (unless given), table_3_1 or table_5_1; see psp3 "
-            "info."
+            "Parameter set of the 3-PSP: default (used if none is given), table_3_1 or table_5_1; "
+            "see psp3 info."
         ),
     ),
 ]
 
 
 class Free(StrEnum):
-    """What can be done with motions that no motor commands."""
+    """Treatment of motions that no motor commands."""
 
     LOCK = "lock"
     KEEP = "keep"
@@ -46,7 +46,7 @@ ActuatedOption = Annotated[
     typer.Option(
         metavar="NAME,NAME",
         rich_help_panel=ROBOT,
-        help="Motors of a robot from a file; those that the file names unless given.",
+        help="Motors of a robot from a file; default those that the file names.",
     ),
 ]
 FreeOption = Annotated[
@@ -55,8 +55,8 @@ FreeOption = Annotated[
         metavar="NAME",
         rich_help_panel=ROBOT,
         help=(
-            "Motions that no motor commands: lock (unless given) holds them, keep makes "
-            "them coordinates, refuse refuses the robot."
+            "Motions that no motor commands: lock (default) holds them, keep makes them "
+            "coordinates, refuse refuses the robot."
         ),
     ),
 ]
@@ -64,7 +64,7 @@ FreeOption = Annotated[
 
 @dataclass(frozen=True, kw_only=True)
 class RobotOptions:
-    """The robot of a command; the 3-PSP of the thesis unless another one is named."""
+    """The robot of a command; by default the 3-PSP of the thesis."""
 
     robot: Annotated[
         str,
@@ -72,7 +72,7 @@ class RobotOptions:
             metavar="ROBOT",
             help=(
                 "A robot of the package (psp3 info lists them) or a file: .urdf, .xml (MJCF) or "
-                ".sdf; the 3-PSP unless given."
+                ".sdf; default the 3-PSP."
             ),
             show_default=False,
         ),
@@ -126,17 +126,17 @@ class RobotOptions:
         return load(self.robot, **given)
 
     def identity(self, robot: ClosedLoopRobot) -> dict[str, str]:
-        """Return what tells the robot in JSON: its parameter set, or its name."""
+        """Return what identifies the robot in JSON: its parameter set, or its name."""
         if self.is_of_thesis:
             return {"parameters": self.parameter_set}
         return {"robot": robot.title}
 
     def load_of_thesis(self) -> PSP3:
-        """Return the 3-PSP, of a command that has asked :attr:`is_of_thesis`."""
+        """Return the 3-PSP, for a command that has checked :attr:`is_of_thesis`."""
         return cast("PSP3", self.load())
 
     def refuse(self, options: Mapping[str, Any], instead: str = "") -> None:
-        """Refuse options that only the 3-PSP has, where another robot is named.
+        """Refuse options that only the 3-PSP has if another robot is named.
 
         Raises
         ------

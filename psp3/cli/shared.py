@@ -1,4 +1,4 @@
-"""What several commands do with their options: make a robot, a trajectory and a controller."""
+"""Make trajectories and controllers from the options that several commands share."""
 
 from __future__ import annotations
 
@@ -35,34 +35,34 @@ if TYPE_CHECKING:
 
 @contextmanager
 def resumable(place: Path) -> Iterator[None]:
-    """Turn the interruption of a study into a sentence and the exit status of Ctrl-C."""
+    """Turn the interruption of a study into a message and the exit status of Ctrl-C."""
     from psp3.errors import StudyInterrupted
 
     try:
         yield
     except StudyInterrupted as interrupt:
         say(
-            f"{interrupt.done} of {interrupt.total} runs are in {place}; the same command goes on "
-            "from there",
+            f"{interrupt.done} of {interrupt.total} runs are in {place}; run the same command to "
+            "continue",
             err=True,
         )
         raise typer.Exit(INTERRUPTED) from None
 
 
 def refuse_workers_of_scheduler(workers: int | None, scheduler: str | None) -> None:
-    """Raise a usage error where the workers of a scheduler would be counted."""
+    """Raise a usage error if the number of workers is given together with a scheduler."""
     if workers is not None and scheduler is not None:
         raise usage_error("--workers does not apply to --scheduler, which has its own")
 
 
 MOTION_OF_THESIS, MOTION_OF_OTHERS = "helix", "sway"
-"""What is followed unless another motion is named."""
+"""Default motion."""
 
 TURNS_LEARNED = 2
-"""Times that another robot than the 3-PSP sways while its controller learns."""
+"""Number of periods of sway to learn from, for robots other than the 3-PSP."""
 
 ADAPTIVE = "adaptive-"
-"""What names of controllers begin with whose rules go on learning."""
+"""Prefix of the names of controllers whose rules continue to learn."""
 
 LEARNED = (
     *(ControllerName.T1, ControllerName.IT2, ControllerName.GT2),
@@ -74,7 +74,7 @@ LEARNED = (
 def trajectory_from_options(
     robot: ClosedLoopRobot, text: str | None, motion: MotionOptions
 ) -> tuple[Trajectory, float, str]:
-    """Return the motion that the options describe, for how long it is wanted, and its name."""
+    """Return the motion that the options describe, its duration and its name."""
     from psp3.trajectories import recorded
     from psp3.trajectories.sway import Sway
 
@@ -152,7 +152,7 @@ def _path_between_points(robot: ClosedLoopRobot, kind: str, given: dict[str, Any
 def controller_named(
     robot: ClosedLoopRobot, name: ControllerName, model: ModelName | None, gains: GainOptions
 ) -> tuple[Controller, dict[str, Any]]:
-    """Return a controller and what there is to say about it."""
+    """Return a controller and its description."""
     allowed = {ControllerName.PID: ("kp", "kv", "ki"), ControllerName.FEED_FORWARD: ()}.get(
         name, ("kp", "kv")
     )
@@ -203,7 +203,7 @@ def _classical(
                 f"--model does not apply to --controller {name.value}, which uses none"
             )
         kinds = {ControllerName.PD: controllers.PD, ControllerName.PID: controllers.PID}
-        # Feedback is along the coordinates: what the motors do along them the robot must say.
+        # Feedback acts along the coordinates, so the robot must map it to the motors.
         motors = {} if robot.drives_coordinates else {"model": robot}
         return kinds[name](**gains, **motors), {"model": None}
     chosen = model or (ModelName.CLOSED_FORM if robot.has_inverse_of_tip else ModelName.CORE)
@@ -219,7 +219,7 @@ def _classical(
 def gains_of_computed_torque(
     robot: ClosedLoopRobot, kp: float | None, kv: float | None
 ) -> dict[str, Any]:
-    """Return the gains that are given, or else those of the robot."""
+    """Return the given gains, or else the robot's defaults."""
     from psp3.control.default_gains import default_gains
 
     own = {"kp": 10.0, "kv": 1.0}
@@ -232,7 +232,7 @@ def gains_of_computed_torque(
 def controller_from_file(
     robot: ClosedLoopRobot, path: Path
 ) -> tuple[FuzzyComputedTorque, dict[str, Any]]:
-    """Return a trained controller and what there is to say about it."""
+    """Return a trained controller and its description."""
     from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 
     controller = FuzzyComputedTorque.load(path, robot)

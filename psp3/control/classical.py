@@ -1,15 +1,15 @@
 r"""Controllers of the screw forces: feed-forward, PD, PD with gravity, PID and computed torque.
 
-A controller has ``reset()``, called once before a run, and
-``torque(t, positions, speeds, desired)``, called once a control period. Everything that offers
-these two can be simulated. ``desired`` is a :class:`psp3.trajectories.motion.Motion`; the servo
-errors are :math:`e = a_d - a` and :math:`\dot e = \dot a_d - \dot a` (eq. 4.2).
+A controller has ``reset()``, called once before a run, and ``torque(t, positions, speeds,
+desired)``, called once a control period. Any object with these two methods can be simulated.
+``desired`` is a :class:`psp3.trajectories.motion.Motion`; the servo errors are :math:`e = a_d - a`
+and :math:`\dot e = \dot a_d - \dot a` (eq. 4.2).
 
-Of a robot whose coordinates are not its motors the motion is that of the coordinates that the
-motors command, which are the first ones; errors are of these, and the others follow. A model then
-says what the motors must do: with more motors than coordinates the least, and where coordinates are
-free the commanded ones are accelerated as the servo wants, whatever the others do then (partial
-feedback linearization, :meth:`psp3.ClosedLoopRobot.actuator_forces`).
+If a robot's coordinates are not its motors, motion and errors are those of the first coordinates,
+which the motors command, and the others are passive. A model then computes the motors' forces. With
+more motors than coordinates these are the forces of least norm. With free coordinates, the
+commanded ones get the servo's accelerations, whatever the others do (partial feedback
+linearization, :meth:`psp3.ClosedLoopRobot.actuator_forces`).
 """
 
 from __future__ import annotations
@@ -30,23 +30,23 @@ from psp3.trajectories.motion import Motion
 
 
 def critically_damped_gains(bandwidth: float, mass: float | ArrayLike = 1.0) -> tuple[Any, Any]:
-    r"""Return the gains of a critically damped loop of a wanted bandwidth.
+    r"""Return the gains of a critically damped loop with a given bandwidth.
 
     .. math:: k_p = \omega^2 M, \qquad k_v = 2 \omega M, \qquad
               \omega = \frac{\omega_b}{\sqrt{\sqrt 2 - 1}}
 
     The error obeys :math:`M (\ddot e + 2\omega \dot e + \omega^2 e) = 0`, all poles are at
     :math:`-\omega`, and the position follows a command :math:`k_p\, a_d` of the frequency
-    :math:`\omega_b` with an amplitude of :math:`1/\sqrt 2`: of that is the bandwidth.
+    :math:`\omega_b` with an amplitude of :math:`1/\sqrt 2`, which defines the bandwidth.
 
     Parameters
     ----------
     bandwidth : float
         Bandwidth :math:`\omega_b` [rad/s].
     mass : float or (n, n) array_like
-        What the feedback moves: 1 under :class:`ComputedTorque`, which makes the robot a unit mass;
-        for :class:`GravityCompensatedPD` the mass matrix, ``robot.mass_matrix`` of the pose at
-        which the loop is to be critically damped [kg].
+        The mass that the feedback moves: 1 for :class:`ComputedTorque`, which turns the robot into
+        a unit mass; for :class:`GravityCompensatedPD` the mass matrix, ``robot.mass_matrix`` at the
+        pose in which the loop shall be critically damped [kg].
 
     Returns
     -------
@@ -69,7 +69,7 @@ def critically_damped_gains(bandwidth: float, mass: float | ArrayLike = 1.0) -> 
 
 def _gain(name: str, value: float | ArrayLike) -> float | Array:
     """Return a gain: a number that is not negative, or a square matrix."""
-    # Of rows of different lengths numpy knows no number of dimensions.
+    # NumPy raises an error for rows of different lengths.
     if not isinstance(value, list | tuple) and np.ndim(value) == 0:
         return checked_not_negative(name, value)
     matrix = as_floats(name, value, "(n, n)")
@@ -88,13 +88,13 @@ def _times(gain: float | Array, error: Array) -> Array:
 
 
 def _error(desired: Array, found: Array) -> Array:
-    """Return the error of the first coordinates, of which a motion is desired."""
-    # Slices cost as much as the difference, in every control step.
+    """Return the error of the first coordinates, which have a desired motion."""
+    # Without a slice if possible, because it costs as much as the difference itself.
     return desired - (found if len(found) == len(desired) else found[: len(desired)])
 
 
 def _allocated(model: Any, positions: Array, forces: Array) -> Array:
-    """Return the motors' forces for forces along the coordinates, of which they are as a rule."""
+    """Return the motors' forces for forces along the coordinates; usually they are the same."""
     allocate = getattr(model, "allocated_forces", None)
     if allocate is None or getattr(model, "drives_coordinates", True):
         return forces
@@ -103,7 +103,7 @@ def _allocated(model: Any, positions: Array, forces: Array) -> Array:
 
 
 def _table_of(model: Any, widths: Widths) -> NamedTuple | None:
-    """Return a model as the compiled loop takes it, or None of one that it does not take."""
+    """Return a model's table for the compiled loop, or None if it has none."""
     make = getattr(model, "compiled_table", None)
     if make is None or widths_of(model) != widths:
         return None
@@ -112,14 +112,14 @@ def _table_of(model: Any, widths: Widths) -> NamedTuple | None:
 
 
 class _OfModel(Described, SaysNothing):
-    """What asks a model for forces, each closing of its loops from the pose of the one before."""
+    """Base of controllers with a model, whose loops are closed from the pose of the last call."""
 
     def __init__(self, model: DynamicsModel) -> None:
         self.model = model
         self._forces_of = ForcesOfMotions(model)
 
     def reset(self) -> None:
-        """Forget the pose of the last call, which changes nothing but rounding."""
+        """Forget the pose of the last call, which affects only rounding."""
         self._forces_of.forget()
 
     def _model_table(self, widths: Widths) -> NamedTuple | None:
@@ -132,7 +132,7 @@ class _OfModel(Described, SaysNothing):
 def feed_forward(
     forces_of: ForcesOfMotions, positions: Array, speeds: Array, desired: Motion
 ) -> Array:
-    """Return the forces of a desired motion, coordinates that follow being where they are."""
+    """Return the forces of a desired motion, with passive coordinates as they are."""
     wanted, rates, k = desired.positions, desired.speeds, len(desired.positions)
     if k < len(positions):
         wanted = np.concatenate([wanted, positions[k:]])
@@ -148,7 +148,7 @@ class FeedForward(_OfModel):
     Parameters
     ----------
     model : DynamicsModel
-        Where M, C and G come from: a robot, or one of ``robot.dynamics(name)``.
+        Source of M, C and G: a robot, or a model from ``robot.dynamics(name)``.
     """
 
     def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
@@ -156,7 +156,7 @@ class FeedForward(_OfModel):
         return feed_forward(self._forces_of, positions, speeds, desired)
 
     def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
-        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        """Return the controller's table for the compiled loop, or None, see :func:`steer`."""
         model = self._model_table(widths)
         if model is None or type(self) is not FeedForward:
             return None
@@ -166,18 +166,18 @@ class FeedForward(_OfModel):
 class PD(Described, SaysNothing, Stateless):
     r"""Proportional and derivative feedback, :math:`\tau = k_p e + k_v \dot e`.
 
-    There is no gravity term, so under the thesis's gains (Table 6.1) every screw sags by its weight
+    There is no gravity term, so with the thesis's gains (Table 6.1) every nut sags by its weight
     over :math:`k_p`, 87 mm.
 
     Parameters
     ----------
     kp : float or (n, n) array_like
-        Proportional gain [N/m]: one for every screw by itself, or a matrix.
+        Proportional gain [N/m]: one number for each screw separately, or a matrix.
     kv : float or (n, n) array_like
-        Derivative gain [N s/m]. :func:`critically_damped_gains` makes both of a bandwidth.
+        Derivative gain [N s/m]. :func:`critically_damped_gains` computes both from a bandwidth.
     model : ClosedLoopRobot, optional
-        The robot, where its motors are not its first coordinates: it turns the feedback, forces
-        along the coordinates, into the motors' forces of least norm.
+        The robot, if its motors are not its first coordinates: it converts the feedback, which is
+        forces along the coordinates, to the motors' forces of least norm.
 
     Raises
     ------
@@ -202,7 +202,7 @@ class PD(Described, SaysNothing, Stateless):
 
     @property
     def along_coordinates(self) -> bool:
-        """Whether the forces are along the coordinates, because nothing is known of the motors."""
+        """Whether the forces are along the coordinates, because the motors are unknown."""
         return self.model is None
 
     def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
@@ -214,7 +214,7 @@ class PD(Described, SaysNothing, Stateless):
 
     @property
     def _is_allocated(self) -> bool:
-        """Whether the model turns forces along the coordinates into those of its motors."""
+        """Whether the model converts forces along the coordinates to motor forces."""
         return not getattr(self.model, "drives_coordinates", True)
 
     def _feedback_table(self, robot: Any, widths: Widths, ki: float = 0.0) -> NamedTuple | None:
@@ -227,7 +227,7 @@ class PD(Described, SaysNothing, Stateless):
         )
 
     def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
-        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        """Return the controller's table for the compiled loop, or None, see :func:`steer`."""
         if type(self) is not PD or robot is None:
             return None
         return self._feedback_table(robot, widths)
@@ -236,13 +236,13 @@ class PD(Described, SaysNothing, Stateless):
 class GravityCompensatedPD(_OfModel, PD):
     r"""PD plus the model's gravity at the present pose, :math:`\tau = k_p e + k_v \dot e + G(a)`.
 
-    No sag at rest.
+    It has no sag at rest.
 
     Parameters
     ----------
     model : DynamicsModel
-        Where G comes from. Where the motors do not command all coordinates, they hold the commanded
-        ones against gravity while the others follow.
+        Source of G. If the motors do not command all coordinates, they hold the commanded ones
+        against gravity while the others are passive.
     kp, kv : float or (n, n) array_like
         See :class:`PD`.
     """
@@ -263,7 +263,7 @@ class GravityCompensatedPD(_OfModel, PD):
         return feedback + self._forces_of(positions, rest, still)
 
     def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
-        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        """Return the controller's table for the compiled loop, or None, see :func:`steer`."""
         model = self._model_table(widths)
         if model is None or type(self) is not GravityCompensatedPD:
             return None
@@ -276,7 +276,7 @@ class GravityCompensatedPD(_OfModel, PD):
 class PID(PD):
     r"""PD plus the integral of the error, :math:`\tau = k_p e + k_v \dot e + k_i \int e\, dt`.
 
-    The sag dies out without a model.
+    The integral removes the sag without a model.
 
     The integral is the trapezoidal rule over the calls since the last reset.
 
@@ -285,7 +285,7 @@ class PID(PD):
     kp, kv, model
         See :class:`PD`.
     ki : float
-        Integral gain [N/(m s)]; the loop of a mass m is stable for ki < kp kv / m.
+        Integral gain [N/(m s)]; for a mass m the loop is stable if ki < kp kv / m.
     """
 
     def __init__(
@@ -308,7 +308,7 @@ class PID(PD):
         self._last: tuple[float, Array] | None = None
 
     def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
-        """Return the feedback forces, of shape (3,) [N], and go on with the integral."""
+        """Return the feedback forces, of shape (3,) [N], and update the integral."""
         error = _error(desired.positions, positions)
         if self._last is not None:
             self._integral = self._integral + 0.5 * (t - self._last[0]) * (error + self._last[1])
@@ -318,13 +318,13 @@ class PID(PD):
         return feedback + _allocated(self.model, positions, integral)
 
     def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
-        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        """Return the controller's table for the compiled loop, or None, see :func:`steer`."""
         if type(self) is not PID or robot is None:
             return None
         return self._feedback_table(robot, widths, self.ki)
 
     def take(self, table: Any, steps: Array) -> dict[str, Array]:
-        """Go on from where a compiled loop ended."""
+        """Take the state at the end of a compiled loop."""
         commanded = math.isqrt(table.kp.shape[1])
         self._integral = table.memory[kernels.INTEGRAL, :commanded].copy()
         last = table.memory[kernels.LAST_ERROR, :commanded].copy()
@@ -345,7 +345,7 @@ class ComputedTorque(_OfModel):
     Parameters
     ----------
     model : DynamicsModel
-        Where M, C and G come from: a robot, or one of ``robot.dynamics(name)``.
+        Source of M, C and G: a robot, or a model from ``robot.dynamics(name)``.
     kp : float
         Proportional gain, 10 in Table 6.1 [1/s²].
     kv : float
@@ -382,7 +382,7 @@ class ComputedTorque(_OfModel):
         return self._forces_of(positions, speeds, servo)
 
     def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
-        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        """Return the controller's table for the compiled loop, or None, see :func:`steer`."""
         model = self._model_table(widths)
         if model is None or type(self) is not ComputedTorque:
             return None

@@ -1,4 +1,4 @@
-"""What a simulation needs of a controller."""
+"""The interface that a simulation needs from a controller."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from psp3.trajectories.motion import Motion
 
 
 class Controller(Protocol):
-    """What the simulation needs of a controller."""
+    """The interface that the simulation needs from a controller."""
 
     def reset(self) -> None:
         """Forget everything about earlier runs."""
@@ -22,64 +22,64 @@ class Controller(Protocol):
 
 
 class Stateless:
-    """A controller whose torque depends on the present only."""
+    """A controller whose torque depends only on the present."""
 
     def reset(self) -> None:
-        """Forget nothing: this controller remembers nothing."""
+        """Do nothing, because this controller has no memory."""
 
 
 class SaysNothing:
-    """A controller that says nothing of its steps but the forces."""
+    """A controller that reports nothing except the forces."""
 
     numbers_said = 0
 
     def take(self, table: Any, steps: Array) -> dict[str, Array]:
-        """Return what is reported of the steps of a compiled loop: nothing."""
+        """Return no reports of the steps of a compiled loop."""
         return {}
 
 
 class Widths(NamedTuple):
-    """How many numbers a controller is given, and gives."""
+    """The sizes of a controller's inputs and outputs."""
 
     commanded: int
-    """Coordinates of which a motion is desired, k; they are the first ones."""
+    """Number of coordinates with a desired motion, k; they come first."""
     positions: int
-    """Positions of all coordinates, p."""
+    """Number of positions of all coordinates, p."""
     speeds: int
-    """Speeds of all coordinates, n."""
+    """Number of speeds of all coordinates, n."""
     motors: int
     """Forces, m."""
 
     @classmethod
     def of_motors(cls, count: int) -> Widths:
-        """Return those of a robot whose coordinates are its motors."""
+        """Return the sizes for a robot whose coordinates are its motors."""
         return cls(count, count, count, count)
 
 
 def widths_of(robot: Any) -> Widths:
-    """Return what a controller of a robot is given, and gives."""
+    """Return the sizes of the inputs and outputs of a robot's controller."""
     positions, speeds = len(robot.reference), len(robot.coordinates_v)
     return Widths(robot.commanded, positions, speeds, len(robot.actuated))
 
 
 class CompiledController(Controller, Protocol):
-    """A controller that the compiled loop takes, too."""
+    """A controller that can also run in the compiled loop."""
 
     numbers_said: int
-    """Numbers that a step writes after the m forces: what the controller says of the step."""
+    """Number of reports that a step writes after the m forces."""
 
     def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
-        """Return the controller as :func:`steer` takes it, or None where it cannot be compiled.
+        """Return the controller's table for :func:`steer`, or None if it cannot be compiled.
 
-        ``robot`` is a table of what is steered, or None if it has none, for a controller without a
-        model of its own: the loop is then not compiled for yet another model.
+        ``robot`` is the controlled robot's table, or None if it has none. A controller without a
+        model uses it as its model, so the loop need not be compiled for another model type.
         """
         ...
 
     def take(self, table: Any, steps: Array) -> dict[str, Array]:
-        """Be as after the last of the steps, and return what is reported of all.
+        """Take the state after the last step, and return the reports of all steps.
 
-        The steps are what :func:`steer` wrote, (N, m + numbers_said).
+        The steps are the numbers that :func:`steer` wrote, (N, m + numbers_said).
         """
         ...
 
@@ -96,6 +96,6 @@ def steer(
 ) -> bool:
     """Write a step's numbers, the forces first; return whether these are finite.
 
-    ``desired`` are positions, speeds and accelerations (3k,) of the coordinates that are commanded.
+    ``desired`` are positions, speeds and accelerations (3k,) of the commanded coordinates.
     """
     raise NotImplementedError

@@ -11,20 +11,21 @@ from psp3.control.classical import critically_damped_gains
 from psp3.robots.robot import Robot
 
 BANDWIDTH = 20.0
-"""Of the loop [rad/s]."""
+"""Bandwidth of the loop [rad/s]."""
 
 INTEGRAL_SHARE = 0.1
-"""Integral gain of a PID, as a share of the largest that is stable."""
+"""Integral gain of a PID, as a share of its stability limit."""
 
 OF_FORCES = ("pd", "pd-gravity", "pid")
-"""Names of the controllers whose gains make forces; those of the others make accelerations."""
+"""Names of the controllers whose gains give forces; those of the others give accelerations."""
 
 
 def default_gains(robot: Robot, controller: str) -> dict[str, Any]:
     r"""Return gains of a critically damped loop in the reference pose.
 
     See :func:`psp3.control.classical.critically_damped_gains`. A PID has a tenth of the integral
-    gain :math:`k_p k_v / m` at which the least mass m that its motors move becomes unstable.
+    gain :math:`k_p k_v / m` at which the loop becomes unstable, where m is the least mass that its
+    motors move.
 
     Parameters
     ----------
@@ -36,7 +37,7 @@ def default_gains(robot: Robot, controller: str) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``kp`` and ``kv``, and ``ki`` of ``"pid"``; nothing of ``"feed-forward"``.
+        ``kp`` and ``kv``, also ``ki`` for ``"pid"``; empty for ``"feed-forward"``.
     """
     if controller == "feed-forward":
         return {}
@@ -47,7 +48,8 @@ def default_gains(robot: Robot, controller: str) -> dict[str, Any]:
     kp, kv = critically_damped_gains(BANDWIDTH, mass)
     gains = {"kp": kp, "kv": kv}
     if controller == "pid":
-        # A mass m with these gains is stable up to ki = kp kv / m, and the least m is what counts.
+        # A mass m with these gains is stable up to ki = kp kv / m. The gains grow with the mass
+        # matrix, so the least m decides.
         omega = float(kv[0, 0] / (2.0 * mass[0, 0]))
         least = float(np.linalg.eigvalsh(mass)[0])
         gains["ki"] = INTEGRAL_SHARE * 2.0 * omega**3 * least
@@ -55,7 +57,7 @@ def default_gains(robot: Robot, controller: str) -> dict[str, Any]:
 
 
 def moved_mass(robot: Robot) -> Array:
-    """Return what the motors move at the reference: the mass matrix, less what others give way."""
+    """Return the mass matrix that the motors feel at the reference, with passive joints free."""
     mass, k = robot.mass_matrix(robot.reference), robot.commanded
     if k == len(mass):
         return mass

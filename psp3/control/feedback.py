@@ -1,4 +1,4 @@
-"""Whether a controller's forces are those of the motors or act along the coordinates."""
+"""Check whether a controller's forces are motor forces or act along the coordinates."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from psp3.errors import InvalidValue
 
 
 def check_feedback(robot: Any, controller: Controller) -> None:
-    """Refuse forces along coordinates where those of the motors are others.
+    """Refuse forces along coordinates if the motor forces differ from them.
 
-    Motors that are the first coordinates exert no force along the others.
+    Motors that are the first coordinates need no conversion: they exert no force along the others.
 
     Raises
     ------
     InvalidValue
-        If the controller knows nothing of the robot's motors, and they are no coordinates.
+        If the controller does not know the robot's motors, and they are not coordinates.
     """
     if not getattr(controller, "along_coordinates", False) or robot.drives_coordinates:
         return

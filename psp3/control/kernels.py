@@ -15,8 +15,8 @@ from psp3.dynamics.compiled_robot import allocate, write_forces
 from psp3.errors import InvalidArray
 
 FEED_FORWARD, PD, GRAVITY_COMPENSATED_PD, COMPUTED_TORQUE = range(4)
-"""What is asked of the model: the forces of the desired motion; nothing; gravity at the present
-pose; the forces of the accelerations that the servo wants.
+"""Kinds of controllers by the model's part: the forces of the desired motion; nothing; gravity at
+the present pose; the forces for the servo's accelerations.
 """
 
 LAST_ERROR, INTEGRAL, FEEDBACK, REST = range(4)
@@ -26,13 +26,12 @@ TIME, CALLED = range(2)
 class Classical(NamedTuple):
     """A classical controller.
 
-    ``kind`` see above; gains ``kp`` and ``kv`` (S, k²), of S samples of the period
-    ``gain_period`` or for all times, ``ki`` of the integral; ``is_allocated`` whether the model
-    turns the feedback, forces along the first k coordinates, into forces of the motors; ``model``
-    the robot's table as the controller knows it; ``memory`` (4, n) last error, integral of the
-    error, feedback, and zeros; ``clock`` (2,) time of the last call, and whether there was one;
-    ``added`` (N, w) what is added to the model's numbers at each sample, or (0, w): the upper
-    triangle of M, C and G.
+    ``kind`` see above; gains ``kp`` and ``kv`` (S, k²), at S samples of the period ``gain_period``
+    or for all times, ``ki`` of the integral; ``is_allocated``, whether the model converts the
+    feedback, forces along the first k coordinates, to motor forces; ``model``, the robot's table in
+    the controller; ``memory`` (4, n) last error, integral of the error, feedback, and zeros;
+    ``clock`` (2,) time of the last call, and whether there was one; ``added`` (N, w), or (0, w),
+    noise on the model's numbers at each sample: the upper triangle of M, C and G.
     """
 
     kind: int
@@ -69,7 +68,7 @@ def classical(
     model : NamedTuple
         A robot's table.
     widths : Widths
-        What it is given, and gives.
+        Sizes of its inputs and outputs.
     ki, gain_period, added, is_allocated
         See :class:`Classical`.
     """
@@ -102,12 +101,12 @@ def classical(
 def _write_feedback(
     controller: Classical, t: float, positions: Array, speeds: Array, desired: Array
 ) -> None:
-    """Write what the servo wants: forces, or of computed torque accelerations."""
+    """Write the feedback of the servo: forces, or accelerations for computed torque."""
     n, memory, clock, ki = desired.size // 3, controller.memory, controller.clock, controller.ki
     kp, kv, is_servo = controller.kp, controller.kv, controller.kind == COMPUTED_TORQUE
     sample = 0
     if kp.shape[0] > 1:
-        # Before it becomes a whole number, which not all times have.
+        # Limited before the conversion to an integer, which overflows for large times.
         sample = int(min(max(0.0, t / controller.gain_period + 1e-6), float(kp.shape[0] - 1)))
     for i in range(n):
         total = desired[2 * n + i] if is_servo else 0.0
@@ -129,7 +128,7 @@ def _write_feedback(
 
 @compiled
 def add_force(added: Array, accelerations: Array, speeds: Array, out: Array) -> None:
-    """Add the force M a + C v + G of numbers: the upper triangle of M, C and G."""
+    """Add the force M a + C v + G from numbers: the upper triangle of M, C and G."""
     n = out.size
     coriolis = (n * (n + 1)) // 2
     gravity, place = coriolis + n * n, 0
@@ -147,7 +146,7 @@ def add_force(added: Array, accelerations: Array, speeds: Array, out: Array) -> 
 
 @compiled
 def _write_desired(desired: Array, positions: Array, speeds: Array, a: Array, v: Array) -> None:
-    """Write the desired positions and speeds; coordinates that follow are where they are."""
+    """Write the desired positions and speeds; passive coordinates keep their present values."""
     k = desired.size // 3
     for i in range(k):
         a[i], v[i] = desired[i], desired[k + i]
@@ -159,7 +158,7 @@ def _write_desired(desired: Array, positions: Array, speeds: Array, a: Array, v:
 
 @compiled
 def _add_feedback(controller: Classical, positions: Array, feedback: Array, out: Array) -> bool:
-    """Add the feedback (k,) to the forces of the motors; return whether they can make it."""
+    """Add the feedback (k,) to the motor forces; return whether the motors can produce it."""
     if not controller.is_allocated:
         for i in range(feedback.size):
             out[i] += feedback[i]
@@ -190,7 +189,7 @@ def classical_step(
     for j in range(out.size):
         out[j] = 0.0
     if kind != PD:
-        # One call, which may take long to compile.
+        # A single call site, because each one is slow to compile.
         a, v, w = positions, rest, still
         if kind == FEED_FORWARD:
             w = desired[2 * k :]

@@ -1,4 +1,4 @@
-"""Compiled steps of the regulators of robots whose coordinates are not their motors."""
+"""Compiled steps of regulators for robots whose coordinates are not their motors."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ POSITIONS, SPEEDS, WORK = range(3)
 
 
 class Regulation(NamedTuple):
-    """A regulator whose feedback is shared among the motors where the robot is.
+    """A regulator whose feedback is distributed to the motors at the robot's present pose.
 
-    ``gains`` (S, 2 k n) of S samples of ``gain_period``, or one of all times; ``pose`` (n,) to
-    which coordinates that follow are brought back; ``model`` the robot's table, whose forces are
-    along the coordinates where the motors command all, and else those of the motors; ``motors`` the
-    table that shares forces among the motors; ``memory`` (3, n) desired positions and speeds, and
+    ``gains`` (S, 2 k n) at S samples of ``gain_period``, or one for all times; ``pose`` (n,) to
+    which passive coordinates return; ``model`` the robot's table, whose forces are along the
+    coordinates if the motors command all, and otherwise those of the motors; ``motors`` the table
+    that distributes forces to the motors; ``memory`` (3, n) desired positions and speeds, and
     forces along the coordinates.
     """
 
@@ -36,7 +36,7 @@ class Regulation(NamedTuple):
 def regulation(
     gains: Array, gain_period: float, pose: Array, model: Any, motors: Any, widths: Widths
 ) -> Regulation:
-    """Return a regulator as compiled loops take it, see :class:`Regulation`."""
+    """Return a regulator's table for compiled loops, see :class:`Regulation`."""
     k, n = widths.commanded, widths.speeds
     every = np.ascontiguousarray(gains.reshape(-1, 2 * k * n))
     return Regulation(every, float(gain_period), pose, model, motors, np.zeros((3, n)))
@@ -46,10 +46,10 @@ def regulation(
 def _write_feedback(
     controller: Regulation, t: float, positions: Array, speeds: Array, feedback: Array
 ) -> None:
-    """Write the forces (k,) of gains and errors, of what the memory says is desired."""
+    """Write the forces (k,) from gains and errors, with the desired motion in the memory."""
     gains, memory, n, sample = controller.gains, controller.memory, speeds.size, 0
     if gains.shape[0] > 1:
-        # Before it becomes a whole number, which not all times have.
+        # Limited before the conversion to an integer, which overflows for large times.
         sample = int(min(max(0.0, t / controller.gain_period + 1e-6), float(gains.shape[0] - 1)))
     for i in range(feedback.size):
         total = 0.0
@@ -83,7 +83,7 @@ def regulation_step(
     )
     _write_feedback(controller, t, positions, speeds, feedback)
     if k == n:
-        # Shared among the motors where they are, and not where they should be.
+        # Distributed to the motors in their present pose, not in the desired one.
         for i in range(k):
             feedback[i] += along[i]
     done = allocate(controller.motors, positions, feedback, out) and done

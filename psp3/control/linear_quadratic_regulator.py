@@ -1,7 +1,7 @@
-r"""Linear-quadratic regulators: the feedback that costs least, about a pose and along a trajectory.
+r"""Linear-quadratic regulators: the feedback of least cost, about a pose or along a trajectory.
 
 For a system :math:`\delta\dot x = A\, \delta x + B\, \delta u` the feedback
-:math:`\delta u = -K\, \delta x` that makes
+:math:`\delta u = -K\, \delta x` that minimizes
 
 .. math::
 
@@ -9,9 +9,9 @@ For a system :math:`\delta\dot x = A\, \delta x + B\, \delta u` the feedback
     \text{or, sampled,} \quad
     \sum_k \big( \delta x_k^T Q\, \delta x_k + \delta u_k^T R\, \delta u_k \big),
 
-smallest follows from a Riccati equation, and the least cost from :math:`\delta x` on is
-:math:`\delta x^T P\, \delta x` (B. D. O. Anderson and J. B. Moore, Optimal Control: Linear
-Quadratic Methods, 1990, chapters 2 and 3).
+follows from a Riccati equation, and the least cost from :math:`\delta x` on is :math:`\delta x^T
+P\, \delta x` (B. D. O. Anderson and J. B. Moore, Optimal Control: Linear Quadratic Methods, 1990,
+chapters 2 and 3).
 """
 
 from __future__ import annotations
@@ -43,18 +43,18 @@ from psp3.trajectories.motion import Motion
 from psp3.trajectories.trajectory import Trajectory
 
 MOST_PERIODS = 10**6
-"""Each has a matrix of gains."""
+"""Most samples of a trajectory; each has a matrix of gains."""
 
 SIZES = "the sizes of weights, inertia and period"
-"""What makes numbers overflow in a Riccati equation."""
+"""Arguments that can make numbers overflow in a Riccati equation."""
 
 
 class Regulator(NamedTuple):
     """Gains ``K`` (..., n, m), cost ``P`` (..., m, m), and the closed loop's ``poles`` (..., m).
 
-    Eigenvalues of A − BK.
+    The poles are the eigenvalues of A − BK.
 
-    Poles of a continuous system are in 1/s, those of a sampled one are factors for a period.
+    They are in 1/s for a continuous system, and factors per period for a sampled one.
     """
 
     K: Array
@@ -73,9 +73,9 @@ class TimeVaryingRegulator(NamedTuple):
 
 
 def lqr(system: LinearSystem, Q: ArrayLike, R: ArrayLike) -> Regulator:
-    r"""Return the linear-quadratic regulator without an end.
+    r"""Return the linear-quadratic regulator for an infinite time.
 
-    The system goes on forever; the gains come from the algebraic Riccati equation.
+    The gains come from the algebraic Riccati equation.
 
     .. math::
 
@@ -88,9 +88,9 @@ def lqr(system: LinearSystem, Q: ArrayLike, R: ArrayLike) -> Regulator:
         A (..., m, m) and B (..., m, n), continuous or sampled, from
         :func:`psp3.dynamics.linearization.linearize` for instance.
     Q : (m, m) array_like
-        Weight of the state, symmetric and positive semidefinite. With the square of an error that
-        is just acceptable under each 1, ``numpy.diag(1.0 / largest**2)``, entries of unlike units
-        compare (Bryson's rule).
+        Weight of the state, symmetric and positive semidefinite. Bryson's rule makes entries of
+        different units comparable: ``numpy.diag(1.0 / largest**2)``, with the largest acceptable
+        errors.
     R : (n, n) array_like
         Weight of the input, symmetric and positive definite.
 
@@ -102,11 +102,11 @@ def lqr(system: LinearSystem, Q: ArrayLike, R: ArrayLike) -> Regulator:
     Raises
     ------
     InvalidArray
-        If the matrices are not finite or their shapes do not go together.
+        If the matrices are not finite or their shapes do not match.
     InvalidValue
-        If a weight is not symmetric, or not definite as it must be.
+        If a weight is not symmetric, or lacks the required definiteness.
     NoStabilizingSolution
-        If no feedback of this cost makes the system stable.
+        If no feedback of finite cost makes the system stable.
     """
     from scipy.linalg import solve_continuous_are, solve_discrete_are
 
@@ -138,9 +138,9 @@ def lqr(system: LinearSystem, Q: ArrayLike, R: ArrayLike) -> Regulator:
 def time_varying_lqr(
     system: LinearSystem, Q: ArrayLike, R: ArrayLike, terminal: ArrayLike | None = None
 ) -> TimeVaryingRegulator:
-    r"""Return the linear-quadratic regulator of a changing sampled system.
+    r"""Return the linear-quadratic regulator of a time-varying sampled system.
 
-    It changes from sample to sample; the gains come by recursion from the end.
+    The gains come from a recursion that starts at the end.
 
     .. math::
 
@@ -154,8 +154,8 @@ def time_varying_lqr(
     Q, R
         See :func:`lqr`.
     terminal : (m, m) array_like, optional
-        Weight of the state after the last period; by default the cost of going on forever with the
-        last A and B.
+        Weight of the state after the last period; by default the cost of continuing for an infinite
+        time with the last A and B.
 
     Returns
     -------
@@ -186,8 +186,7 @@ def time_varying_lqr(
         for k in reversed(range(len(A))):
             K[k] = _gain(A[k], B[k], R, P[k + 1])
             closed = A[k] - B[k] @ K[k]
-            # Of the forms of this equation the one whose rounding errors leave P symmetric and
-            # positive.
+            # This form of the equation keeps P symmetric and positive in spite of rounding errors.
             P[k] = Q + K[k].T @ R @ K[k] + closed.T @ P[k + 1] @ closed
     return TimeVaryingRegulator(K, P)
 
@@ -223,17 +222,17 @@ class LinearQuadraticRegulator(Described, SaysNothing):
         \tau = M(a_d)\, \ddot a_d + C(a_d, \dot a_d)\, \dot a_d + G(a_d)
         + K \begin{bmatrix} e \\ \dot e \end{bmatrix}
 
-    While the desired motion rests the first terms are the weight. Gains are those of the sampled
-    system, as the force is held for a period.
+    While the desired motion is at rest, the first three terms are the weight. The gains are those
+    of the sampled system, because the force is held for a period.
 
-    Of a robot with other coordinates than its motors the feedback is a force along each of the k
-    coordinates that the motors command. Where others are free, K brings them back, too: to where
-    they are in the pose about which the robot is linearized, which should be an equilibrium.
+    If a robot's coordinates are not its motors, the feedback is a force along each of the k
+    coordinates that the motors command. If other coordinates are free, K also returns them to the
+    pose about which the robot is linearized, which should be an equilibrium.
 
     Parameters
     ----------
     robot : ClosedLoopRobot
-        The robot as the controller knows it.
+        The robot that is the controller's model.
     Q : (2n, 2n) array_like
         Weight of the errors, positions first, see :func:`lqr`.
     R : (k, k) array_like
@@ -246,7 +245,7 @@ class LinearQuadraticRegulator(Described, SaysNothing):
     Raises
     ------
     InvalidArray, InvalidValue, NoStabilizingSolution
-        See :func:`lqr`; also of a robot whose base floats, or whose motors also act along
+        See :func:`lqr`; also for a robot with a floating base, or with motors that act along
         coordinates that they do not command.
     """
 
@@ -280,7 +279,7 @@ class LinearQuadraticRegulator(Described, SaysNothing):
         return {"robot": self.robot, "gain": self.regulator.K}
 
     def reset(self) -> None:
-        """Forget the pose of the last call, which changes nothing but rounding."""
+        """Forget the pose of the last call, which affects only rounding."""
         self._forces_of.forget()
 
     def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
@@ -293,7 +292,7 @@ class LinearQuadraticRegulator(Described, SaysNothing):
         return _forces(self.robot, self._forces_of, K, positions, speeds, desired)
 
     def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
-        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        """Return the controller's table for the compiled loop, or None, see :func:`steer`."""
         if type(self) is not LinearQuadraticRegulator:
             return None
         return _table(self.robot, self.regulator.K, widths, 1.0, self._pose)
@@ -304,17 +303,18 @@ class TimeVaryingLinearQuadraticRegulator(Described, SaysNothing):
 
     It is the linear-quadratic regulator on the errors of position and speed.
 
-    As :class:`LinearQuadraticRegulator`, with gains :math:`K(t)` from the robot's linearization at
-    every control period of the trajectory. After its end the last gains stay.
+    It differs from :class:`LinearQuadraticRegulator` in its gains :math:`K(t)`, which come from the
+    robot's linearization at every control period of the trajectory. After its end the last gains
+    stay.
 
     Parameters
     ----------
     robot : ClosedLoopRobot
-        The robot as the controller knows it.
+        The robot that is the controller's model.
     trajectory : Trajectory
-        The motion that will be desired.
+        The desired motion.
     duration : float
-        For how long [s].
+        Duration of the gains [s].
     Q, R, period
         See :class:`LinearQuadraticRegulator`.
     terminal : (2n, 2n) array_like, optional
@@ -375,21 +375,21 @@ class TimeVaryingLinearQuadraticRegulator(Described, SaysNothing):
         }
 
     def reset(self) -> None:
-        """Forget the pose of the last call, which changes nothing but rounding."""
+        """Forget the pose of the last call, which affects only rounding."""
         self._forces_of.forget()
 
     def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return the forces of the desired motion and of the feedback, of shape (n,) [N or N m]."""
-        # The small excess keeps rounding from taking the gains of the sample before.
+        # The small excess selects the right sample's gains in spite of rounding.
         sample = min(max(int(t / self.period + 1e-6), 0), len(self.t) - 1)
         K = self.regulator.K[sample]
         return _forces(self.robot, self._forces_of, K, positions, speeds, desired)
 
     def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
-        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        """Return the controller's table for the compiled loop, or None, see :func:`steer`."""
         if type(self) is not TimeVaryingLinearQuadraticRegulator:
             return None
-        # After the last period the gains of the last one stay.
+        # After the last period its gains stay.
         gains = self.regulator.K[: len(self.t)]
         return _table(self.robot, gains, widths, self.period, self.robot.reference)
 
@@ -408,7 +408,7 @@ def _forces(
         forces: Array = forces_of(desired.positions, desired.speeds, desired.accelerations)
         return forces + feedback
     if len(feedback) == len(speeds):
-        # Shared among the motors where they are, and not where they should be.
+        # Distributed to the motors in their present pose, not in the desired one.
         feedback += robot.inverse_dynamics(*desired[:3])
         return robot.allocated_forces(positions, feedback)
     motors = forces_of(desired.positions, desired.speeds, desired.accelerations)
@@ -416,7 +416,7 @@ def _forces(
 
 
 def _commanded(robot: ClosedLoopRobot, system: LinearSystem, pose: Array) -> LinearSystem:
-    """Return a linearization whose input are forces along the commanded coordinates alone."""
+    """Return a linearization whose inputs are forces along the commanded coordinates only."""
     k = robot.commanded
     if robot.actuation_matrix(pose)[k:].any():
         raise InvalidValue(
@@ -437,7 +437,7 @@ def _table(
     if robot.drives_coordinates:
         kp, kv = K[..., : widths.motors], K[..., widths.motors :]
         return kernels.classical(kernels.FEED_FORWARD, kp, kv, table, widths, gain_period=period)
-    # The core's own forces, before motors share them, are along the coordinates.
+    # The core's own forces are along the coordinates, before they are distributed to motors.
     is_shared = widths.commanded == widths.speeds
     model: Any = Tables(*table[:3]) if is_shared else table
     return linear_quadratic_kernels.regulation(K, period, pose, model, table, widths)

@@ -1,11 +1,11 @@
 r"""Computed torque in the coordinates of a frame, bounded near singularities.
 
-Where the smallest singular value :math:`\sigma` of the Jacobian vanishes, its inverse asks for
+Where the smallest singular value :math:`\sigma` of the Jacobian vanishes, its inverse requires
 infinite accelerations. For the tip of the 3-PSP this is the border of its reach, 23.9 mm from the
-axis in the direction of a screw. Two things keep the robot this side of it, and both are exactly
-zero where :math:`\sigma \ge \varepsilon`:
+axis in the direction of a screw. Two measures keep the robot on this side of the singularity. Both
+are exactly zero where :math:`\sigma \ge \varepsilon`:
 
-* The inverse is damped in the singular directions, and in these only,
+* The inverse is damped only in the singular directions,
 
   .. math:: J^\# = \sum_i \frac{\sigma_i}{\sigma_i^2 + \lambda_i^2}\, v_i u_i^\top, \qquad
             \lambda_i = \varepsilon \Big[ 1 - \frac{\sigma_i^2}{\varepsilon^2} \Big]
@@ -14,17 +14,17 @@ zero where :math:`\sigma \ge \varepsilon`:
 
   so that :math:`\lVert J^\# \rVert \le 1.07 / \varepsilon`. :math:`\lambda^2` and its derivative
   are continuous.
-* The smallest singular value is kept above a quarter of :math:`\varepsilon`. Damping alone makes
-  the fold an equilibrium that the tip reaches at speed, and crosses; behind it, it runs away on the
-  other branch. With :math:`z = \sigma - \varepsilon/4` and :math:`\omega = \sqrt{k_p}` the
-  accelerations are corrected, if need be, so that
+* The smallest singular value is kept above a quarter of :math:`\varepsilon`. Damping alone is not
+  enough: the tip reaches the fold with a speed, crosses it and runs away on the other branch. With
+  :math:`z = \sigma - \varepsilon/4` and :math:`\omega = \sqrt{k_p}` the accelerations are
+  corrected, if necessary, to satisfy
 
   .. math:: \ddot z \ge \frac{\dot z^2}{2 z} - 2 \omega \dot z - \omega^2 z \qquad (\dot z < 0) ,
 
   which for :math:`z = y^2` is the damped oscillator
   :math:`\ddot y + 2\omega \dot y + \tfrac12 \omega^2 y \ge 0`: whatever the speed, z does not
-  become negative. The correction is the one that moves the frame least; it comes in smoothly
-  between :math:`\varepsilon` and :math:`\varepsilon / 2`.
+  become negative. The correction is the one that changes the frame's motion least, and it sets in
+  smoothly between :math:`\varepsilon` and :math:`\varepsilon / 2`.
 
 Sources: J. Luh, M. Walker and R. Paul, Resolved-acceleration control of mechanical manipulators,
 IEEE Transactions on Automatic Control 25 (1980), for the law; Y. Nakamura and H. Hanafusa, Inverse
@@ -64,7 +64,7 @@ from psp3.trajectories.motion import Motion
 
 
 def damped_reciprocals(singular_values: ArrayLike, threshold: float) -> Array:
-    r"""Return what singular values are inverted to, :math:`\sigma / (\sigma^2 + \lambda^2)`.
+    r"""Return damped inverses of singular values, :math:`\sigma / (\sigma^2 + \lambda^2)`.
 
     :math:`\lambda = \varepsilon - \sigma^2/\varepsilon` below the threshold :math:`\varepsilon`,
     and 0 above.
@@ -74,12 +74,12 @@ def damped_reciprocals(singular_values: ArrayLike, threshold: float) -> Array:
     singular_values : (...,) array_like
         Singular values, not negative.
     threshold : float
-        :math:`\varepsilon`; from there on nothing is damped, and the result is the reciprocal.
+        :math:`\varepsilon`; at and above it there is no damping, and the result is the reciprocal.
 
     Returns
     -------
     (...,) ndarray
-        At most 1.07 over the threshold; without a threshold, infinite at zero.
+        Values of at most 1.07 over the threshold; if the threshold is 0, infinite at zero.
     """
     sigma = np.asarray(singular_values, dtype=float)
     damping = (
@@ -88,13 +88,13 @@ def damped_reciprocals(singular_values: ArrayLike, threshold: float) -> Array:
         else np.zeros_like(sigma)
     )
     with np.errstate(divide="ignore", invalid="ignore"):
-        # Written so that it is the reciprocal to the last digit where nothing is damped.
+        # In this form the result is the exact reciprocal where there is no damping.
         damped: Array = np.where(damping > 0.0, sigma / (sigma**2 + damping**2), 1.0 / sigma)
     return damped
 
 
 LEAST_DAMPED = 1e-12
-"""Less is rounding of the singular value."""
+"""Least threshold, because a smaller one is within the rounding of the singular value."""
 
 
 class TaskSpaceComputedTorque(Described, SaysNothing):
@@ -107,7 +107,7 @@ class TaskSpaceComputedTorque(Described, SaysNothing):
               e = x_d - x .
 
     Away from singularities the error obeys :math:`\ddot e + k_v \dot e + k_p e = 0`, whatever the
-    pose; rotations about changing axes do so to the second order of the angle. Near a singularity
+    pose; rotations about changing axes obey it to the second order of the angle. Near a singularity
     the inverse is damped, and the frame stops short of it, see :mod:`psp3.control.task_space`.
 
     Parameters
@@ -117,27 +117,27 @@ class TaskSpaceComputedTorque(Described, SaysNothing):
     kp, kv : float
         Gains [1/s²], [1/s], as in :class:`psp3.ComputedTorque`.
     path : callable, optional
-        The desired :class:`psp3.kinematics.frames.FrameMotion` at a time [s]. By default the frame
-        is to go where the desired motion of the actuated joints takes it. A path of its own may
-        lead out of reach.
+        The desired :class:`psp3.kinematics.frames.FrameMotion` at a time [s]. By default the
+        frame's path follows from the desired motion of the actuated joints. A given path may lead
+        out of reach.
     frame : str
         The frame.
     task : sequence of str
         Coordinates of the frame, see :class:`psp3.kinematics.task_space.TaskSpace`; as many as the
-        robot has coordinates. More motors than that share the forces.
+        robot has coordinates. If there are more motors, the forces are distributed to them.
     damped_below : float
         Threshold :math:`\varepsilon`, as a share of the smallest singular value in the reference
-        pose: below 1, and 0 for the plain inverse. Angles are made lengths with
-        :func:`psp3.kinematics.tasks.characteristic_length`. By default :math:`\varepsilon` is 0.047
-        for the tip of the 3-PSP, which comes so low within 0.9 mm of the border in the direction of
-        a screw.
+        pose: below 1, and 0 for the plain inverse. Angles are converted to lengths with
+        :func:`psp3.kinematics.tasks.characteristic_length`. For the tip of the 3-PSP the default of
+        :math:`\varepsilon` is 0.047, a value that the tip reaches 0.9 mm from the border in the
+        direction of a screw.
 
     Raises
     ------
     InvalidValue
-        If a gain is negative or not finite, the threshold is not within [0, 1), the task has not as
-        many coordinates as the robot, or they do not determine its pose at the reference pose, or
-        some of the robot's coordinates follow its motors.
+        If a gain is negative or not finite, if the threshold is not within [0, 1), if the task does
+        not have as many coordinates as the robot, if they do not determine its pose at the
+        reference pose, or if some of the robot's coordinates are passive.
     UnknownName
         If the robot has no such frame, or there is no such coordinate.
     """
@@ -180,13 +180,13 @@ class TaskSpaceComputedTorque(Described, SaysNothing):
         }
 
     def reset(self) -> None:
-        """Forget the pose of the last call, which changes nothing but rounding."""
+        """Forget the pose of the last call, which affects only rounding."""
         self._forces_of.forget()
 
     def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return the forces of the actuated joints (n,) [N or N m] for a state.
 
-        The state is their positions and speeds.
+        The state is the joints' positions and speeds.
         """
         if self.path is None:
             goal = frame_motion(
@@ -206,9 +206,10 @@ class TaskSpaceComputedTorque(Described, SaysNothing):
         )
 
     def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
-        """Return the controller as the compiled loop takes it, or None, see :func:`steer`.
+        """Return the controller's table for the compiled loop, or None, see :func:`steer`.
 
-        A path of its own is Python's. Kernels close the loops of any robot by Newton's method.
+        A given path is a Python function, so it cannot be compiled. Kernels close the loops of any
+        robot with Newton's method.
         """
         is_other = type(self) is not TaskSpaceComputedTorque
         if is_other or self.path is not None or widths_of(self.robot) != widths:
@@ -229,7 +230,7 @@ class TaskSpaceComputedTorque(Described, SaysNothing):
     ) -> Array:
         """Return the accelerations of the actuated joints for those of ``servo``.
 
-        They give the frame those of ``servo``, as far as that is possible.
+        The frame then has the accelerations of ``servo``, as far as possible.
         """
         scaled, epsilon = self._scaled, self.threshold
         left, sigma, right = np.linalg.svd(scaled.rows[:, np.newaxis] * jacobian / scaled.columns)
@@ -246,7 +247,7 @@ class TaskSpaceComputedTorque(Described, SaysNothing):
     def _correction(
         self, positions: Array, speeds: Array, accelerations: Array, cost: Array
     ) -> Array:
-        """Return what keeps the smallest singular value above its floor.
+        """Return the correction that keeps the smallest singular value above its floor.
 
         Speeds and accelerations are scaled.
         """
@@ -255,8 +256,8 @@ class TaskSpaceComputedTorque(Described, SaysNothing):
         height, rate = value - FLOOR * epsilon, float(gradient @ speeds)
         least = -2.0 * omega * rate - omega**2 * height
         if rate < 0.0:
-            # At the floor itself the braking would be without bound, and the sampled controller may
-            # come to it.
+            # The distance is bounded, because the braking is infinite at the floor itself, which a
+            # sampled controller may reach.
             least += rate**2 / (2.0 * max(height, 0.25 * FLOOR * epsilon))
         lacking = least - float(gradient @ accelerations) - curvature
         if lacking <= 0.0:
@@ -270,9 +271,9 @@ class TaskSpaceComputedTorque(Described, SaysNothing):
 
 
 class _ScaledJacobian:
-    """The task's Jacobian as a pure number, and a signed measure.
+    """The task's dimensionless Jacobian, and a signed measure of singularity.
 
-    The measure is its smallest singular value with a sign that changes where it vanishes.
+    The measure is the smallest singular value, with a sign that changes where it vanishes.
     """
 
     def __init__(self, space: TaskSpace) -> None:
@@ -309,7 +310,7 @@ class _ScaledJacobian:
     def derivatives(self, positions: Array, speeds: Array) -> tuple[float, Array, float]:
         """Return the smallest singular value, its gradient, and second derivative in time.
 
-        The latter at the given scaled speeds.
+        The latter is at the given scaled speeds.
         """
         step, value = FIRST_DIFFERENCE * self.length, self.smallest(positions)
         gradient = np.array(

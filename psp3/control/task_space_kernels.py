@@ -1,4 +1,4 @@
-"""Compiled steps of computed torque on a frame; :mod:`psp3.control.task_space` is their face."""
+"""Compiled steps of computed torque on a frame, for :mod:`psp3.control.task_space`."""
 
 from __future__ import annotations
 
@@ -17,21 +17,22 @@ from psp3.multibody.motion import accelerate_with, move_with, place_frame, reach
 from psp3.multibody.tree import AT_ACCELERATIONS, AT_HERE, AT_ROOM, AT_VELOCITIES, INDEPENDENT
 
 FLOOR = 0.25
-"""Share of the threshold above which the smallest singular value is kept."""
+"""Floor of the smallest singular value, as a share of the threshold."""
 
 FIRST_DIFFERENCE, SECOND_DIFFERENCE = 1e-5, 1e-4
-"""Steps of the differences by which the smallest singular value is differentiated once and twice,
-as shares of the robot's length. A second difference loses twice the digits.
+"""Steps of the finite differences for the first and second derivative of the smallest singular
+value, as shares of the robot's length. A second difference loses twice the digits.
 """
 
 MOST_SWEEPS = 30
-"""Of Jacobi's method, which takes five or six: it converges quadratically."""
+"""Most sweeps of Jacobi's method, which needs five or six, because it converges quadratically."""
 
 ORTHOGONAL = 4e-15
-"""Cosine of the angle of two columns that count as orthogonal: some roundings."""
+"""Two columns count as orthogonal below this cosine of their angle, a few rounding errors."""
 
 VELOCITY, ACCELERATION, MOTION = 12, 18, 24
-"""Where the velocity (6) and the acceleration (6) of a frame begin, after its placement (12)."""
+"""Indices where the velocity (6) and the acceleration (6) of a frame begin, after its placement
+(12)."""
 
 
 class TaskLaw(NamedTuple):
@@ -41,7 +42,7 @@ class TaskLaw(NamedTuple):
     determinant at the reference; the robot's ``length`` [m]; the ``frame`` (13,), see
     :data:`psp3.multibody.motion.FRAME_NUMBERS`; ``rows`` (n,) of the task in a velocity of six
     dimensions, and whether it has a rotation, ``turns``; ``row_scales`` and ``column_scales`` (n,)
-    that make the Jacobian a pure number; ``model`` the table of the robot's tree.
+    that make the Jacobian dimensionless; ``model`` the table of the robot's tree.
     """
 
     kp: float
@@ -69,7 +70,7 @@ def _write_motion(
     if reach(tree, numbers, memory, positions) != CLOSED:
         return False
     n = int(tree[INDEPENDENT])
-    # The first vector of the room is taken by the complement.
+    # The complement takes the first vector of the scratch space.
     at, others = int(tree[AT_ROOM]) + n, int(tree[AT_ROOM]) + 2 * n
     for j in range(n):
         memory[at + j], memory[others + j] = speeds[j], accelerations[j]
@@ -85,7 +86,8 @@ def _write_motion(
         out[ACCELERATION + i] = memory[A + i] + memory[A + 3 + j] * y - memory[A + 3 + k] * x
         out[VELOCITY + 3 + i], out[ACCELERATION + 3 + i] = memory[V + 3 + i], memory[A + 3 + i]
     for i in range(3):
-        # What twists leave out: their point of reference does not move with the frame.
+        # A term that spatial accelerations lack, because their point of reference does not move
+        # with the frame.
         j, k = (i + 1) % 3, (i + 2) % 3
         turned = memory[V + 3 + j] * out[VELOCITY + k] - memory[V + 3 + k] * out[VELOCITY + j]
         out[ACCELERATION + i] += turned
@@ -95,7 +97,7 @@ def _write_motion(
 
 @compiled
 def _write_jacobian(law: TaskLaw, columns: Array) -> None:
-    """Write the scaled Jacobian of the task, column by column (n, n), where the robot is."""
+    """Write the scaled Jacobian of the task at the present pose, column by column (n, n)."""
     tree, n = law.model.tree, law.rows.size
     whole = np.empty(12 + 6 * n)
     complement(tree, law.model.numbers, law.model.memory, 0.0)
@@ -117,7 +119,7 @@ def _product(rows: Array, i: int, j: int) -> float:
 
 @compiled
 def _turn(rows: Array, i: int, j: int, cosine: float, sine: float) -> None:
-    """Turn two rows of a matrix in their plane."""
+    """Rotate two rows of a matrix in their plane."""
     for k in range(rows.shape[1]):
         first, second = rows[i, k], rows[j, k]
         rows[i, k], rows[j, k] = cosine * first - sine * second, sine * first + cosine * second
@@ -125,13 +127,13 @@ def _turn(rows: Array, i: int, j: int, cosine: float, sine: float) -> None:
 
 @compiled
 def make_orthogonal(columns: Array, right: Array) -> None:
-    r"""Turn columns (n, n), a row each here, until they are orthogonal, in place.
+    r"""Rotate columns (n, n), stored as rows, in place until they are orthogonal.
 
-    With the same turns of a unit matrix, ``right`` (n, n), these are the singular vectors: columns
-    are :math:`\sigma_j u_j`, and rows of ``right`` are :math:`v_j`. One-sided Jacobi method, M. R.
-    Hestenes, Inversion of matrices by biorthogonalization and related results, 1958; small singular
-    values keep their digits (J. Demmel and K. Veselić, Jacobi's method is more accurate than QR,
-    1992).
+    The same rotations act on a unit matrix, ``right`` (n, n). The result are the singular vectors:
+    columns are :math:`\sigma_j u_j`, and rows of ``right`` are :math:`v_j`. This is the one-sided
+    Jacobi method, M. R. Hestenes, Inversion of matrices by biorthogonalization and related results,
+    1958; small singular values keep their digits (J. Demmel and K. Veselić, Jacobi's method is more
+    accurate than QR, 1992).
     """
     n = columns.shape[0]
     for i in range(n):
@@ -156,7 +158,7 @@ def make_orthogonal(columns: Array, right: Array) -> None:
 
 @compiled
 def _sign_of_determinant(matrix: Array) -> float:
-    """Return the sign of a determinant, 0 of a singular matrix, which is overwritten."""
+    """Return the sign of a determinant, 0 if singular; the matrix is overwritten."""
     n, sign = matrix.shape[0], 1.0
     for k in range(n):
         best = k
@@ -182,7 +184,7 @@ def _smallest(columns: Array) -> float:
     """Return the shortest of orthogonal columns: the smallest singular value."""
     least = math.inf
     for j in range(columns.shape[0]):
-        # Written so that NaN stays.
+        # In this form NaN is passed on.
         length = math.sqrt(_product(columns, j, j))
         least = least if length >= least else length
     return least
@@ -190,9 +192,9 @@ def _smallest(columns: Array) -> float:
 
 @compiled
 def _signed_smallest(law: TaskLaw, positions: Array) -> float:
-    """Return the smallest singular value at positions, negative behind the singularity.
+    """Return the smallest singular value at positions, negative beyond the singularity.
 
-    NaN where the robot cannot take the pose.
+    It is NaN if the robot cannot take the pose.
     """
     n = law.rows.size
     if reach(law.model.tree, law.model.numbers, law.model.memory, positions) != CLOSED:
@@ -209,7 +211,7 @@ def _signed_smallest(law: TaskLaw, positions: Array) -> float:
 
 @compiled
 def _moved_smallest(law: TaskLaw, positions: Array, way: Array, share: float) -> float:
-    """Return the smallest singular value a share of a scaled way from positions."""
+    """Return the smallest singular value after a share of a scaled displacement from positions."""
     moved = np.empty(positions.size)
     for j in range(moved.size):
         moved[j] = positions[j] + share * way[j] / law.column_scales[j]
@@ -255,7 +257,7 @@ def _along(gradient: Array, motion: Array) -> float:
 def _correct(
     law: TaskLaw, positions: Array, speeds: Array, columns: Array, right: Array, out: Array
 ) -> None:
-    """Add to scaled accelerations what keeps the smallest singular value above its floor."""
+    """Correct scaled accelerations to keep the smallest singular value above its floor."""
     n, epsilon, omega = out.size, law.threshold, math.sqrt(law.kp)
     gradient, scaled, direction = np.empty(n), np.empty(n), np.zeros(n)
     for j in range(n):
@@ -265,8 +267,8 @@ def _correct(
     height, rate = value - FLOOR * epsilon, _along(gradient, scaled)
     least = -2.0 * omega * rate - omega * omega * height
     if rate < 0.0:
-        # At the floor itself the braking would be without bound, and the sampled controller may
-        # come to it.
+        # The distance is bounded, because the braking is infinite at the floor itself, which a
+        # sampled controller may reach.
         least += rate * rate / (2.0 * max(height, 0.25 * FLOOR * epsilon))
     lacking = least - _along(gradient, out) - _curvature(law, positions, scaled, value)
     if lacking <= 0.0:
@@ -287,7 +289,7 @@ def _write_accelerations(
 ) -> None:
     """Write the accelerations of the coordinates that give the frame those of the servo.
 
-    The robot is at the positions. They give it these as far as that is possible.
+    The robot is at the positions. The frame gets the servo's accelerations as far as possible.
     """
     n, epsilon = out.size, law.threshold
     columns, right = np.empty((n, n)), np.empty((n, n))
@@ -310,10 +312,10 @@ def _write_accelerations(
 
 @compiled
 def write_rotation_between(wanted: Array, found: Array, out: Array, o: int) -> None:
-    r"""Write the rotation still to be made, :math:`\log (R_d R^\top)` (3,), from entry o on.
+    r"""Write the remaining rotation :math:`\log (R_d R^\top)` (3,), from entry o on.
 
-    Both begin with their rotations, row by row. By the quaternion, of which the largest entry is
-    found first, so that no angle up to a half turn loses digits.
+    Both arguments begin with their rotations, row by row. The computation is by the quaternion and
+    starts with its largest entry, so angles up to a half turn keep their digits.
     """
     turn = np.empty(9)
     for i in range(3):
@@ -333,7 +335,7 @@ def write_rotation_between(wanted: Array, found: Array, out: Array, o: int) -> N
         else:
             w, x, y, z = z, turn[2] + turn[6], turn[5] + turn[7], 1.0 + turn[8] - turn[0] - turn[4]
     length = math.sqrt(x * x + y * y + z * z)
-    # Of the two quaternions of a rotation the one of the shorter way.
+    # Of the two quaternions of a rotation, this is the one of the smaller angle.
     angle = 2.0 * math.atan2(math.copysign(length, w), abs(w))
     share = angle / length if length != 0.0 else 0.0
     out[o], out[o + 1], out[o + 2] = share * x, share * y, share * z
@@ -341,7 +343,7 @@ def write_rotation_between(wanted: Array, found: Array, out: Array, o: int) -> N
 
 @compiled
 def _write_servo(law: TaskLaw, goal: Array, now: Array, servo: Array) -> None:
-    """Write the accelerations of the task that the servo wants, less what the joints' speeds do."""
+    """Write the servo's accelerations of the task, minus those caused by the joints' speeds."""
     error = np.empty(6)
     for i in range(3):
         error[i] = goal[9 + i] - now[9 + i]

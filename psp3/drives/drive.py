@@ -1,23 +1,23 @@
 r"""Drives of the actuated joints.
 
-What lies between the motor's torque and the force that moves the joint.
+A drive relates the motor's torque to the force that moves the joint.
 
-A motor turns the screw, and its nut moves by the lead :math:`l` in each revolution. Without losses
-the power is the same on both sides, :math:`\tau_m \omega_m = f \dot a` with
-:math:`\omega_m = (2\pi/l)\, \dot a`, so a motor torque :math:`\tau_m` is a force
+A motor turns a screw, and the nut moves by the lead :math:`l` in each revolution. Without losses
+the power is the same on both sides, :math:`\tau_m \omega_m = f \dot a` with :math:`\omega_m =
+(2\pi/l)\, \dot a`, so a motor torque :math:`\tau_m` gives a force
 
 .. math:: f = \frac{2\pi}{l}\, \tau_m,
 
-and the rotor, with everything that turns with it, weighs on the joint like a mass
-:math:`J = J_m (2\pi/l)^2`. The robot then moves as
+and the rotor, with everything that turns with it, acts on the joint like a mass :math:`J = J_m
+(2\pi/l)^2`. The equation of motion is then
 
 .. math:: (M + J)\, \ddot a + C\, \dot a + G + B\, \dot a + \varphi = f, \qquad
           \varphi_i \in F_i \operatorname{Sgn}(\dot a_i),
 
 with viscous friction :math:`B` and dry (Coulomb) friction :math:`\varphi`. Sgn is the set-valued
 sign: 1 or −1 for a joint that slips either way, and all of [−1, 1] for one at rest. So a joint at
-rest stays at rest, exactly, as long as a friction of no more than :math:`F_i` can hold it: there is
-no regularization, no creep, and no second time scale. Which of the joints at rest begin to slip
+rest stays exactly at rest while a friction of at most :math:`F_i` can hold it: there is no
+regularization, no creep, and no additional time scale. Which of the joints at rest begin to slip
 follows from Gauss's principle of least constraint with friction, a strictly convex problem with one
 solution,
 
@@ -25,9 +25,9 @@ solution,
           + \sum_{i:\, \dot a_i \ne 0} \varphi_i x_i
           + \sum_{i:\, \dot a_i = 0} F_i \lvert x_i \rvert,
 
-where :math:`a_0` is the acceleration without dry friction. All of it acts at the joint. Static and
-sliding friction are the same number, and neither depends on the load: a screw's efficiency is not a
-number of its own here, its losses are its friction.
+where :math:`a_0` is the acceleration without dry friction. All friction acts at the joint. Static
+and sliding friction are the same number, and neither depends on the load. A screw's efficiency is
+not a separate parameter, because its losses are modeled as friction.
 
 Sources: J.-J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics", in
 Nonsmooth Mechanics and Applications, 1988 (friction as a set-valued law; least constraint); F.
@@ -50,7 +50,7 @@ from psp3.errors import InvalidValue
 
 @dataclass(frozen=True)
 class Drive:
-    r"""Friction, motor inertia and lead of one actuated joint; without arguments an ideal drive.
+    r"""Friction, motor inertia and lead of one actuated joint; by default an ideal drive.
 
     Parameters
     ----------
@@ -59,15 +59,15 @@ class Drive:
     viscous_friction : float
         Viscous friction :math:`B` [N s/m], at a revolute joint [N m s/rad].
     motor_inertia : float
-        Moment of inertia :math:`J_m` of what turns with the motor [kg m²].
+        Moment of inertia :math:`J_m` of the motor and all parts that turn with it [kg m²].
     lead : float, optional
-        Travel :math:`l` of the joint in one revolution of the motor [m], of a revolute joint [rad]:
-        :math:`2\pi` over the gear ratio there. None where no motor is modeled.
+        Travel :math:`l` of the joint in one revolution of the motor [m]. For a revolute joint it is
+        :math:`2\pi` over the gear ratio [rad]. None if no motor is modeled.
 
     Raises
     ------
     InvalidValue
-        If a number is negative or not finite, or the motor has inertia and the lead is not given.
+        If a number is negative or not finite, or if the motor has inertia but no lead is given.
     """
 
     coulomb_friction: float = 0.0
@@ -87,7 +87,7 @@ class Drive:
     def reflected_inertia(self) -> float:
         r"""Inertia of the motor as the joint feels it, :math:`J = J_m (2\pi/l)^2`.
 
-        In kg, at a revolute joint in kg m².
+        It is in kg, or in kg m² at a revolute joint.
         """
         return 0.0 if self.motor_inertia == 0.0 else self.motor_inertia * self._motor_turn**2
 
@@ -128,8 +128,8 @@ class Drive:
         Parameters
         ----------
         motor_torque : (...) array_like
-            Torque of the motor [N m]: of a limit, for example,
-            ``simulate(..., torque_limit=drive.force(1.27))``.
+            Torque of the motor [N m], for example of a limit: ``simulate(...,
+            torque_limit=drive.force(1.27))``.
 
         Returns
         -------

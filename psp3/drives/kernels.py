@@ -1,14 +1,15 @@
 """Compiled dynamics of driven joints.
 
-Which of them stick, how the others accelerate, and Runge–Kutta steps from event to event.
+They determine which joints stick and how the others accelerate, for Runge–Kutta steps from event to
+event.
 
-The laws are in :mod:`psp3.drives`. A joint's ``slip`` is 1 or −1 for the way it slips, 0 while it
-sticks. Between two events, a joint that comes to rest or one that lets go, slip is constant and the
-motion is smooth, so that steps keep their order: a step in which something happens is cut there.
-What happens and is undone within one step is not seen.
+The laws are in :mod:`psp3.drives`. A joint's ``slip`` is 1 or −1 for the direction in which it
+slips, and 0 while it sticks. An event is a joint that comes to rest, or one at rest that starts to
+move. Between events slip is constant and the motion is smooth, so steps keep their order of
+accuracy if they are divided at events. Two opposite events within one step are missed.
 
-``drives`` has a row for every joint: reflected inertia, viscous and dry friction. ``net`` is what
-is left of the forces for dry friction and acceleration, (M + J) a = net − friction.
+``drives`` has a row for every joint: reflected inertia, viscous and dry friction. ``net`` is the
+part of the forces that remains for dry friction and acceleration, (M + J) a = net − friction.
 """
 
 from __future__ import annotations
@@ -23,27 +24,27 @@ from psp3.checks import Array
 INERTIA, VISCOUS, DRY = range(3)
 
 ROUNDING = 1e-12
-"""A joint lets go when the force on it exceeds its friction by more than this share of the forces
-at work, where rounding ends.
+"""A joint starts to move when the force on it exceeds its friction by more than this share of the
+acting forces, a margin for rounding.
 """
 
 MOST_SWEEPS = 200
-"""Sweeps of coordinate descent in the search for what sticks; a few do, unless two answers differ
-by rounding alone.
+"""Most sweeps of coordinate descent in the search for sticking joints. A few suffice, unless two
+solutions differ only by rounding.
 """
 
 MOST_EVENTS = 50
-"""Events in one step; after so many the rest of it is taken at once, and joints that turned back in
-it are stopped at its end.
+"""Most events in one step. After these the rest of the step is taken at once, and joints that
+reversed in it are stopped at its end.
 """
 
 RESOLUTION = 2.0**-44
-"""Share of a step to which the time of an event is found: 1e-16 s of 2 ms."""
+"""Accuracy of the time of an event, as a share of a step: 1e-16 s for a step of 2 ms."""
 
 
 @compiled
 def accelerations(mass: Array, net: Array, drives: Array, slip: Array, out: Array) -> None:
-    """Write the accelerations of joints whose slip is given: those that stick have none."""
+    """Write the accelerations of joints with given slip; those that stick have none."""
     n = net.size
     # Cholesky's method on the rows and columns of the joints that slip.
     factor = np.zeros((n, n))
@@ -73,9 +74,9 @@ def accelerations(mass: Array, net: Array, drives: Array, slip: Array, out: Arra
 
 @compiled
 def spare_friction(mass: Array, net: Array, drives: Array, acceleration: Array, i: int) -> float:
-    """Return how much more friction joint i, which sticks, could give.
+    """Return how much more friction the sticking joint i could provide.
 
-    Where it is negative the joint lets go.
+    If it is negative, the joint starts to move.
     """
     reaction = net[i]
     for j in range(net.size):
@@ -88,9 +89,9 @@ def spare_friction(mass: Array, net: Array, drives: Array, acceleration: Array, 
 def _is_solution(
     mass: Array, net: Array, drives: Array, speeds: Array, slip: Array, acceleration: Array
 ) -> bool:
-    """Whether joints that stick can be held, and those that slip go the way of their slip.
+    """Return whether sticking joints can be held, and slipping ones move in their direction.
 
-    Of the joints at rest.
+    Only joints at rest are checked.
     """
     for i in range(net.size):
         if speeds[i] != 0.0 or drives[i, DRY] == 0.0:
@@ -105,9 +106,9 @@ def _is_solution(
 
 @compiled
 def slip_of(drives: Array, speeds: Array, slip: Array) -> bool:
-    """Write the slip of what moves, and that the rest sticks.
+    """Write the slip of moving joints; those at rest stick for now.
 
-    Return whether there is a rest, whose slip is to be chosen.
+    Return whether any joint is at rest, for which slip must be chosen.
     """
     some_rest = False
     for i in range(speeds.size):
@@ -122,9 +123,9 @@ def slip_of(drives: Array, speeds: Array, slip: Array) -> bool:
 
 @compiled
 def choose_slip(mass: Array, net: Array, drives: Array, speeds: Array, slip: Array) -> None:
-    """Improve what ``slip_of`` wrote to the slip that Gauss's principle gives.
+    """Improve the slip from ``slip_of`` to the one of Gauss's principle.
 
-    By coordinate descent; what can stick does.
+    The method is coordinate descent; joints that can stick do so.
     """
     n = net.size
     trial, acceleration = np.zeros(n), np.empty(n)
@@ -146,7 +147,7 @@ def choose_slip(mass: Array, net: Array, drives: Array, speeds: Array, slip: Arr
 
 @compiled
 def stop_what_turned_back(drives: Array, speeds: Array, slip: Array) -> None:
-    """Set the speed of joints to zero that go against their slip, and let them stick."""
+    """Stop joints that move against their slip, and let them stick."""
     for i in range(speeds.size):
         if drives[i, DRY] > 0.0 and slip[i] * speeds[i] < 0.0:
             speeds[i] = slip[i] = 0.0

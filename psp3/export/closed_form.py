@@ -1,4 +1,4 @@
-"""The 3-PSP in closed form as C99 code: what ``psp3.load("psp3")`` answers, to the last bit."""
+"""The 3-PSP in closed form as C99 code, with the same results as in Python to the last bit."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from psp3.version import __version__
 LEG = ("a", "phi", "theta", "lambda", "b")
 """Joints of each leg, in the order of the closed form."""
 
-CODE = "0, or 1 where there is no such pose or a number is not finite; the results are then NaN"
+CODE = "0; or 1 if there is no such pose or a number is not finite, and the results are then NaN"
 
 OVER_LEGS = ("configuration", "tip_jacobian")
-"""Kernels whose loops take entries of tuples."""
+"""Kernels with loops over the entries of tuples."""
 
 SINGLE = {"TIP_ROUNDING": 6e-8, "SMALLEST_TIP_STEP": 1e-5}
-"""Numbers of the closed form's module in single precision: what its roundings leave."""
+"""Constants of the closed form's module in single precision, chosen for its rounding errors."""
 
 
 def code_of(
@@ -40,14 +40,14 @@ def code_of(
     Raises
     ------
     NotExportable
-        If it does not know a frame: it knows the star's pose and its tip.
+        If ``frames`` names another frame than ``tip``, the only one of the closed form.
     """
     unknown = [frame for frame in frames or () if frame != "tip"]
     if unknown:
         raise NotExportable(
             f"frame {unknown[0]!r} of the closed form",
-            "that knows the star's pose and its tip",
-            'robot.dynamics("core"), which knows all frames',
+            "it has only the star's pose and its tip",
+            'robot.dynamics("core"), which has all frames',
         )
     model = robot.model
     order = [
@@ -73,7 +73,7 @@ def code_of(
 
 
 def _functions() -> list[tuple[str, str, Any, list[Argument]]]:
-    """Return name, sentence, kernel and arguments of each function."""
+    """Return the name, description, kernel and arguments of each function."""
     heights = Argument("heights", "nut heights [m]", 3)
     speeds = Argument("speeds", "their speeds [m/s]", 3)
     M = Argument("M", "mass matrix, row by row (3, 3) [kg]", 9, "out")
@@ -85,21 +85,23 @@ def _functions() -> list[tuple[str, str, Any, list[Argument]]]:
             kernels.forward_kinematics,
             [
                 heights,
-                Argument("center", "where its arms meet [m]", 3, "out"),
-                Argument("rotation", "from star axes to base axes, row by row (3, 3)", 9, "out"),
+                Argument("center", "point where its arms meet [m]", 3, "out"),
+                Argument(
+                    "rotation", "rotation from star axes to base axes, row by row (3, 3)", 9, "out"
+                ),
                 Argument("arms", "arm lengths [m]", 3, "out"),
                 Argument("tip", "tip of the tool [m]", 3, "out"),
             ],
         ),
         (
             "configuration",
-            "Write the coordinates of all joints, loops closed.",
+            "Write the coordinates of all joints with closed loops.",
             kernels.configuration,
             [heights, Argument("q", "coordinates of all joints, in the order above", 15, "out")],
         ),
         (
             "tip_heights",
-            "Write the heights that put the tip at a point, on the branch of the level pose.",
+            "Write the heights that put the tip at a point, on the branch of the home pose.",
             kernels.tip_heights,
             [
                 Argument("tip", "the point in base axes [m]", 3),
@@ -108,13 +110,13 @@ def _functions() -> list[tuple[str, str, Any, list[Argument]]]:
         ),
         (
             "tip_jacobian",
-            "Write how the tip moves with the nuts.",
+            "Write the Jacobian of the tip.",
             kernels.jacobian,
-            [heights, Argument("J", "its velocity per speed, row by row (3, 3)", 9, "out")],
+            [heights, Argument("J", "tip velocity per nut speed, row by row (3, 3)", 9, "out")],
         ),
         (
             "inverse_dynamics",
-            "Write the screw forces that a motion takes.",
+            "Write the screw forces for a motion.",
             kernels.inverse_dynamics,
             [
                 heights,
@@ -143,7 +145,7 @@ def _functions() -> list[tuple[str, str, Any, list[Argument]]]:
                 speeds,
                 M,
                 Argument("C", "Coriolis matrix, row by row (3, 3) [kg/s]", 9, "out"),
-                Argument("G", "weight that each screw carries [N]", 3, "out"),
+                Argument("G", "gravity, the weight that each screw carries [N]", 3, "out"),
             ],
         ),
         ("mass_matrix", "Write the mass matrix M.", kernels.mass, [heights, M]),

@@ -1,7 +1,7 @@
-"""What C code of the 3-PSP does: the kernels of its closed form, for one state.
+"""The functions of the 3-PSP's C code: kernels of its closed form, for one state.
 
-These functions are translated, and in Python they run as they stand. Each returns a code, and
-results of another code than ``DONE`` are NaN.
+These functions are translated to C, and also run in Python. Each returns a code; unless it is
+``DONE``, the results are NaN.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from psp3.three_psp.closed_form import (
 )
 
 DONE, REFUSED = range(2)
-"""Codes: done; no pose of the robot, or a number that is not finite."""
+"""Codes: done; no such pose of the robot, or a number that is not finite."""
 
 _configuration = closed_form.configuration
 _equation_of_motion = closed_form.equation_of_motion
@@ -33,11 +33,11 @@ class ThreePSP(NamedTuple):
 
     parameters: Array
     order: Indices
-    """Places in a configuration of heights, angles and arm lengths of the legs, (15,)."""
+    """Indices of the legs' heights, angles and arm lengths in a configuration, (15,)."""
 
 
 def ended(row, out):
-    """Return the code of a kernel of the closed form, and make what it refused NaN."""
+    """Return the code of a kernel of the closed form; after a refusal set the results to NaN."""
     if row == -1:
         return DONE
     for i in range(out.size):

@@ -1,6 +1,7 @@
-"""What the exported functions of a controller do: a step and a reset, around the kernels of loops.
+"""The exported functions of a controller: a step and a reset, around the kernels of loops.
 
-They are plain Python that is translated, and never compiled: what they call is.
+They are plain Python that is translated to C. Only the kernels that they call are compiled in
+Python.
 """
 
 from __future__ import annotations
@@ -17,12 +18,12 @@ from psp3.simulation.kernels import limited, read_encoders
 
 
 class Wires(NamedTuple):
-    """What lies between an exported controller and the robot.
+    """The parts between an exported controller and the robot.
 
     ``resolution`` (k,) of the encoders, 0 for a perfect one, or (0,), and their ``last`` positions;
-    ``limit`` (m,) of the forces, or (0,); ``queue`` (d, m) of the forces that come late by d
-    periods; the ``period`` [s]; whether there have been ``calls`` (1,); and whether something is
-    remembered, ``is_guarded``, which numbers that are not finite would spoil.
+    ``limit`` (m,) of the forces, or (0,); ``queue`` (d, m) of the forces that are delayed by d
+    periods; the ``period`` [s]; whether there have been ``calls`` (1,); and ``is_guarded``, whether
+    the controller has a memory that numbers which are not finite would spoil.
     """
 
     resolution: Array
@@ -35,7 +36,7 @@ class Wires(NamedTuple):
 
 
 def _are_finite(values: Array) -> bool:
-    """Tell whether all numbers are finite."""
+    """Return whether all numbers are finite."""
     rest = 0.0
     for i in range(values.size):
         rest += values[i] - values[i]
@@ -61,7 +62,7 @@ def _zeroed_rows(target: Array) -> None:
 
 
 def _come_late(queue: Array, is_first: bool, torque: Array) -> None:
-    """Write the torque of d steps before; the first one acts until the second arrives."""
+    """Write the torque of d steps ago; the first one acts until the second arrives."""
     late, m = queue.shape
     for j in range(m):
         asked = torque[j]
@@ -83,7 +84,7 @@ def _seen_step(
     desired: Array,
     out: Array,
 ) -> bool:
-    """Write a step of a controller that sees what encoders read."""
+    """Write a step of a controller that sees encoder readings."""
     if wires.resolution.size == 0:
         done: bool = steer(controller, 0, t, positions, speeds, desired, out)
     else:
@@ -106,10 +107,10 @@ def _write_step(
     desired: Array,
     out: Array,
 ) -> int:
-    """Write a step, the forces first; return 1, or 0 where these are not finite.
+    """Write a step, the forces first; return 1, or 0 if these are not finite.
 
-    Where something is remembered, numbers that are not finite change nothing of it; and a model
-    that could not follow starts from its reference pose in the next step.
+    Numbers that are not finite do not change the controller's memory. A model that could not reach
+    the pose starts from its reference pose in the next step.
     """
     if wires.is_guarded and not (
         math.isfinite(t) and _are_finite(positions) and _are_finite(speeds) and _are_finite(desired)
@@ -140,7 +141,7 @@ def step(
     desired: Array,
     torque: Array,
 ) -> int:
-    """Write the torque of a step; return 1, or 0 where it is not finite."""
+    """Write the torque of a step; return 1, or 0 if it is not finite."""
     return _write_step(controller, wires, reference, t, positions, speeds, desired, torque)
 
 
@@ -156,9 +157,9 @@ def learned_step(
     interval: Array,
     flags: Array,
 ) -> int:
-    """Write the torque of a step of a learned controller, and what is known of it.
+    """Write the torque of a step of a learned controller, and its reports.
 
-    Return 1, or 0 where the torque is not finite.
+    Return 1, or 0 if the torque is not finite.
     """
     n = torque.size
     out = np.empty(3 * n + 2)
@@ -172,14 +173,14 @@ def learned_step(
 
 
 def _reset_wires(wires: Wires) -> None:
-    """Forget what encoders read and which forces are on their way."""
+    """Forget the encoder readings and the delayed forces."""
     _zeroed(wires.calls)
     _zeroed(wires.last)
     _zeroed_rows(wires.queue)
 
 
 def reset_classical(controller: Any, wires: Wires, reference: Array) -> None:
-    """Forget the integral, and start in the reference pose where a model has loops to close."""
+    """Forget the integral, and start in the reference pose if a model has loops to close."""
     _reset_wires(wires)
     _zeroed_rows(controller.memory)
     _zeroed(controller.clock)
@@ -195,14 +196,14 @@ def reset_regulation(controller: Any, wires: Wires, reference: Array) -> None:
 
 
 def reset_model(controller: Any, wires: Wires, reference: Array) -> None:
-    """Start in the reference pose where a model has loops to close, and remembers nothing else."""
+    """Start in the reference pose if a model has loops to close; there is no other memory."""
     _reset_wires(wires)
     if reference.size > 0:
         _copied(reference, controller.model.memory)
 
 
 def reset_adaptive(controller: Any, wires: Wires, reference: Array) -> None:
-    """Go back to the rules as they were trained, without a sample to learn from."""
+    """Return to the trained rules, and forget all samples."""
     _reset_wires(wires)
     memory, trained = controller.memory, controller.rules.trained
     _zeroed(memory.clock)
@@ -219,7 +220,7 @@ def reset_adaptive(controller: Any, wires: Wires, reference: Array) -> None:
 
 
 def reset_slotine_li(controller: Any, wires: Wires, reference: Array) -> None:
-    """Go back to the rules as they were trained."""
+    """Return to the trained rules."""
     _reset_wires(wires)
     memory, bases = controller.memory, controller.rules.controller.bases
     _zeroed(memory.clock)

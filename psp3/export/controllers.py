@@ -1,7 +1,7 @@
-"""Controllers in C99: ``reset`` and ``step``, as the compiled loop steers with them.
+"""Controllers in C99: functions ``reset`` and ``step`` that do the same as the compiled loop.
 
 Every controller that has a table for the compiled loop can be written, see
-:func:`psp3.control.controller.steer`, with the robot's model in it where it needs one.
+:func:`psp3.control.controller.steer`, together with the robot's model if it needs one.
 """
 
 from __future__ import annotations
@@ -49,20 +49,20 @@ KINDS: dict[type, tuple[Any, Any, tuple[str, ...]]] = {
     Adaptive: (kernels.reset_adaptive, kernels.learned_step, ()),
     SlotineLi: (kernels.reset_slotine_li, kernels.learned_step, ("_write_basis",)),
 }
-"""Of each kind of table what resets it, what a step is, and the kernels whose loops are written
-out, so that each rule base is translated for what it is.
+"""Kinds of tables, each with its reset and step, and the kernels whose loops are unrolled.
+Unrolling specializes the code for each rule base.
 """
 
-CODES = "1, or 0 where the torque is not finite, which no motor must be told"
+CODES = "1; or 0 if the torque is not finite, and it must then not be sent to a motor"
 
 _NO_REFERENCE = np.empty(0)
 
 
 class Exported(NamedTuple):
-    """What is known of a controller that is to be written.
+    """The data of a controller that is exported.
 
-    The controller, its robot, its table for the compiled loop, how many numbers it is given, and
-    what lies between it and the robot.
+    They are the controller, its robot, its table for the compiled loop, the number of its inputs,
+    and the parts between it and the robot.
     """
 
     controller: Any
@@ -83,7 +83,7 @@ def code_of(
     encoder_resolution: ArrayLike = 0.0,
     delay: int = 0,
 ) -> CCode | None:
-    """Return the C code of a controller, or None of what is no controller.
+    """Return the C code of a controller; None if the thing is not a controller.
 
     Parameters
     ----------
@@ -92,21 +92,22 @@ def code_of(
     precision, name
         See :func:`psp3.export_c`; the name is ``"controller"`` by default.
     robot : Robot, optional
-        The robot that is steered, for controllers that do not know it.
+        The controlled robot, for controllers that do not know it.
     period : float, optional
-        Control period [s], which encoders need.
+        Control period [s]; needed with encoders.
     torque_limit, encoder_resolution, delay
-        What lies between controller and robot, as of :func:`psp3.simulate`: the step then limits
-        the forces, sees what encoders read, whose counts times the resolution it is given, and
-        returns the forces of ``delay`` steps before, to be put beside a plant that has none.
+        The parts between controller and robot, as in :func:`psp3.simulate`. The step then limits
+        the forces, takes encoder readings (counts times the resolution) as its positions, and
+        returns the forces of ``delay`` steps ago. The plant beside it must then have no delay of
+        its own.
 
     Raises
     ------
     fuzzy2.errors.NotExportable
         If the controller has no table.
     InvalidValue
-        If a limit or a period is not positive, or a resolution is negative; or, as of
-        :func:`psp3.simulate`, if forces along coordinates are none of the robot's motors.
+        If a limit or a period is not positive, or a resolution is negative; or, as in
+        :func:`psp3.simulate`, if forces along the coordinates are not motor forces.
     """
     if isinstance(thing, str | Path):
         if not str(thing).endswith(".json"):
@@ -122,8 +123,8 @@ def code_of(
     if precision == "single":
         exported, constants = _with_fewer_digits(exported), constants | single.CONSTANTS
     table = exported.table
-    # Logarithms of firing strengths are for inputs far away from all rules: most learned
-    # controllers never see any, and need no logarithm then.
+    # Logarithms of firing strengths serve inputs far away from all rules. Most learned controllers
+    # never see such inputs, and then need no logarithm.
     never = ("lost",) if isinstance(table, FuzzyRun) and fires_everywhere(table.controller) else ()
     writer = CWriter(prefix, precision, _about(exported), KINDS[type(table)][2], constants, never)
     _add_functions(writer, exported)
@@ -141,7 +142,8 @@ def _exported(controller: Any, robot: Any) -> Exported:
     controller.reset()
     table = controller.table(NO_MODEL, widths) if hasattr(controller, "table") else None
     if type(table) not in KINDS:
-        wanted = "a trained controller of the compiled loop, without a path or a model in Python"
+        wanted = "a trained controller that the compiled loop takes, without a path or a model in "
+        "Python"
         raise NotExportable(title, "its step is not compiled for this robot", wanted)
     return Exported(controller, robot, table, widths, _wires(widths, None, None, 0.0, 0))
 
@@ -153,7 +155,7 @@ def _wires(
     encoder_resolution: ArrayLike,
     delay: int,
 ) -> kernels.Wires:
-    """Return what lies between controller and robot; arrays are empty where there is nothing."""
+    """Return the parts between controller and robot; arrays of missing parts are empty."""
     limit, resolution = np.empty(0), np.empty(0)
     if torque_limit is not None:
         limit = one_or_each("torque_limit", torque_limit, widths.motors)
@@ -175,7 +177,7 @@ def _wires(
 
 
 def _with_fewer_digits(exported: Exported) -> Exported:
-    """Return a controller whose model closes its loops as far as single precision can."""
+    """Return a controller whose model closes its loops to the accuracy of single precision."""
     table = exported.table
     for field in ("model", "motors"):
         model: Any = getattr(table, field, None)
@@ -192,7 +194,7 @@ def robot_of(controller: Any) -> Any:
     return known if known is not None else getattr(inner, "model", None)
 
 
-# What is written.
+# Arguments and memory of the functions.
 
 
 def _add_functions(writer: CWriter, exported: Exported) -> None:
@@ -211,7 +213,7 @@ def _add_functions(writer: CWriter, exported: Exported) -> None:
 
 
 def _arguments(exported: Exported) -> list[Argument]:
-    """Return what a step is given, and what it writes."""
+    """Return the inputs of a step, and its outputs."""
     commanded, p, n, m = exported.widths
     of_all = f"positions, speeds and accelerations of the first {commanded} coordinates"
     arguments = [
@@ -233,13 +235,13 @@ def _arguments(exported: Exported) -> list[Argument]:
     ]
 
 
-RESETS = "Forget everything about earlier runs: call it once before the first step."
+RESETS = "Forget everything about earlier runs. Call it once before the first step."
 STEPS = "Write the forces of the motors for the next control period."
-_FELL = "what the rules said was of no use, and their average took its place"
+_FELL = "the estimate of the rules was unusable, and their average replaced it"
 
 
 def _states(table: Any) -> dict[str, Argument]:
-    """Return the arrays of a controller that are remembered."""
+    """Return the arrays that hold a controller's memory."""
     states: dict[str, Argument] = {}
     if isinstance(table, Adaptive | SlotineLi):
         for name, array in table.memory._asdict().items():
@@ -249,7 +251,8 @@ def _states(table: Any) -> dict[str, Argument]:
         memory = table.model.memory
         states["model.memory"] = _state("pose", "the model's last pose, and room for it", memory)
     if isinstance(table, Regulation):
-        # One memory: forces are shared among the motors in the pose in which they were found.
+        # One memory, because forces are distributed to the motors in the pose for which they were
+        # computed.
         states["motors.memory"] = states["model.memory"]
         wanted = "desired positions and speeds, and forces along the coordinates"
         states["memory"] = _state("wanted", wanted, table.memory)
@@ -270,18 +273,18 @@ _REMEMBERED = {
     "right": "right side of the least squares",
     "factor": "room",
     "trial": "room",
-    "gradient": "how the rules are about to move",
-    "delta": "how far the rules have moved",
-    "consequents": "of all rules as they are now",
+    "gradient": "gradient of the next move of the rules",
+    "delta": "movement of the rules so far",
+    "consequents": "present consequents of all rules",
     "orders": "rules in the order of their consequents",
 }
 
 
 def _states_of_wires(wires: kernels.Wires) -> dict[str, Argument]:
-    """Return the arrays of what lies between that are remembered."""
+    """Return the arrays that hold the memory of the parts between controller and robot."""
     words = {
         "last": ("counted", "positions that the encoders read last"),
-        "queue": ("queue", "forces on their way"),
+        "queue": ("queue", "delayed forces"),
         "calls": ("calls", "whether there was a call"),
     }
     arrays = ((name, getattr(wires, name), *about) for name, about in words.items())
@@ -294,22 +297,23 @@ def _state(name: str, about: str, array: Array) -> Argument:
 
 
 def _reference(table: Any) -> Array:
-    """Return the pose with which the memory of a model begins."""
+    """Return the initial pose in the memory of a model."""
     if not hasattr(getattr(table, "model", None), "memory"):
         return _NO_REFERENCE
     reference: Array = table.model.memory[: int(table.model.tree[AT_BEFORE])].copy()
     return reference
 
 
-# What the header says.
+# Text of the header.
 
 
 def _iterations(table: Any) -> list[str]:
-    """Return how many steps of Newton's method the model of a controller takes at most."""
+    """Return the most steps of Newton's method that the model of a controller takes."""
     model: Any = getattr(table, "model", None)
     if not hasattr(model, "memory"):
         return []
-    # On a frame: where it is to be and where it is, differences about that, and the forces.
+    # For a frame: poses of the desired and the present frame, finite differences around the latter,
+    # and the forces.
     poses = 2 * table.rows.size + 6 if isinstance(table, TaskLaw) else 1
     return [robot_text.bound_of_time(poses * int(model.tree[GROUPS]), MOST_ATTEMPTS)]
 
@@ -322,14 +326,14 @@ def _about(exported: Exported) -> list[str]:
         f"Motors, in this order: {_named(robot.actuated, robot.actuated_v, robot)}.",
         *_law(exported),
         *_iterations(exported.table),
-        "Nothing checks that positions, speeds and the desired motion are finite: where they are\n"
+        "Nothing checks that positions, speeds and the desired motion are finite: if they are\n"
         "not, the torque is not, and 0 is returned. No function asks for memory or writes to\n"
         "anything but its arguments; each struct serves one robot and one thread.",
     ]
 
 
 def _law(exported: Exported) -> list[str]:
-    """Return what a controller does, with its gains."""
+    """Return a description of a control law, with its gains."""
     table = exported.table
     if isinstance(table, Regulation):
         return [_regulator_law(table)]
@@ -367,7 +371,7 @@ def _classical_law(table: Classical, joints: int) -> str:
         )
         lines.append(f"{name} = {rows}")
     if table.is_allocated:
-        lines.append("Feedback is turned into the shortest forces of the motors.")
+        lines.append("Feedback is distributed to the motors as the forces of least norm.")
     return "\n".join(lines)
 
 
@@ -407,10 +411,10 @@ def _range(exported: Exported) -> str:
     for name, low, high in zip(controller.inputs.names, *controller.ranges_, strict=True):
         lines.append(f"  {name}: {low:.9g} to {high:.9g}")
     if controller.outside == "clamp":
-        lines.append("Outside of it the nearest inputs within are taken, and flags[0] is 0.")
+        lines.append("Inputs outside of it are clamped to it, and flags[0] is 0.")
     else:
         lines.append("Outside of it the exact model takes over, and flags[0] is 0.")
-    lines.append(f"flags[1] is 1 where {_FELL}.")
+    lines.append(f"flags[1] is 1 if {_FELL}.")
     return "\n".join(lines)
 
 

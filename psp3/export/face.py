@@ -1,4 +1,4 @@
-"""One function that exports everything that can be written in C."""
+"""One function that exports any supported object as C."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from psp3.export import controllers, robots
 def _code_of_system(
     thing: Any, *, precision: Literal["double", "single"] = "double", name: str | None = None
 ) -> CCode | None:
-    """Return the C code of a fuzzy system, or None of what is none."""
+    """Return the C code of a fuzzy system; None if the thing is not one."""
     if not isinstance(thing, FuzzySystem | ParallelSystem | AnYaSystem):
         return None
     return systems.c_code_of(thing, precision=precision, name="system" if name is None else name)
@@ -29,8 +29,8 @@ KINDS: tuple[Callable[..., CCode | None], ...] = (
     controllers.code_of,
     _code_of_system,
 )
-"""Each is asked for the code of a thing, with the name, the precision and what else was said, and
-returns None of things that are none of its.
+"""Exporters. Each takes the thing, the name, the precision and further options, and returns None
+for things that it does not export.
 """
 
 
@@ -46,8 +46,8 @@ def c_code(
         code = code_of(thing, precision=precision, name=name, **options)
         if code is not None:
             return code
-    wanted = "a robot, a controller that the compiled loop takes, its file, or a fuzzy system"
-    raise NotExportable(type(thing).__name__, "nothing here knows how", wanted)
+    wanted = "a robot, a controller that the compiled loop takes or its file, or a fuzzy system"
+    raise NotExportable(type(thing).__name__, "it is none of the supported objects", wanted)
 
 
 def export_c(
@@ -60,9 +60,9 @@ def export_c(
 ) -> CCode:
     """Write a robot, a controller or a fuzzy system as one self-contained .c and .h file in C99.
 
-    The code is translated from the kernels that Python runs: in double precision, and where the C
-    library's functions are the same, its numbers are the same to the last bit. It allocates no
-    memory and needs only ``math.h``.
+    The code is translated from the kernels that Python runs. In double precision, and with the same
+    C library functions, its numbers are the same to the last bit. It allocates no memory and needs
+    only ``math.h``.
 
     Parameters
     ----------
@@ -70,23 +70,23 @@ def export_c(
         What to write, see :mod:`psp3.export.robots`, :mod:`psp3.export.controllers` and
         :func:`fuzzy2.export_c`; or the file of a controller.
     path : path
-        The folder that the files are written into.
+        The folder for the files.
     precision : {"double", "single"}
-        Of all numbers.
+        Precision of all numbers.
     name : str, optional
-        Prefix of all names, and name of the files.
+        Prefix of all names, and stem of the file names.
     **options
-        What the kind of thing takes besides.
+        Further options of the kind of thing.
 
     Returns
     -------
     CCode
-        The text of both files, and a description of the functions in them.
+        The text of both files, and a description of their functions.
 
     Raises
     ------
     fuzzy2.errors.NotExportable
-        If there is no C for it.
+        If the thing cannot be written in C.
     """
     code = c_code(thing, precision=precision, name=name, **options)
     code.write(path)

@@ -1,8 +1,9 @@
 """Robots and controllers as functional mock-up units (FMUs), for Simulink, OpenModelica, Dymola, ….
 
 An FMU is a zip archive with a description of its variables, source code in C, and a binary for each
-platform that it is compiled for. Ours are for co-simulation under FMI 2.0 or 3.0: they go on by a
-whole number of periods while their inputs are constant, with the numbers of :func:`psp3.simulate`.
+platform that it is compiled for. The FMUs of this package are for co-simulation with FMI 2.0 or
+3.0. They advance by a whole number of periods with constant inputs, and give the numbers of
+:func:`psp3.simulate`.
 """
 
 from __future__ import annotations
@@ -46,11 +47,11 @@ from psp3.export.fmu_standard import Standard
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden", "-shared")
-"""What the compiler is told: without contraction numbers are those of the compiled loop."""
+"""Compiler flags. Without floating-point contraction the numbers are those of the compiled loop."""
 
 _C_FILES, _SHARED = Path(__file__).with_name("fmi"), "instance.h"
 _LONGEST = 200
-"""Letters of an identifier, after which there is room for more in the name of a file."""
+"""Greatest length of an identifier, which leaves room for endings in a file name."""
 
 _BEGINNING = (1980, 1, 1, 0, 0, 0)
 _STANDARDS = {standard.version: standard for standard in (FMI2, FMI3)}
@@ -67,13 +68,13 @@ class FMU:
     name : str
         The identifier of the model.
     guid : str
-        What tells it from others: the same for the same code and variables.
+        Its unique identifier; the same code and variables give the same one.
     variables : tuple of Variable
         Its variables, in the order of their value references.
     period : float
-        The communication step [s], or the least one.
+        The shortest communication step [s], of which all are multiples.
     has_binary : bool
-        Whether it has a binary for Linux, and not source code alone.
+        Whether it has a binary for Linux, in addition to source code.
     """
 
     path: Path
@@ -98,47 +99,48 @@ def export_fmu(
 ) -> FMU:
     """Write a robot or a controller as an FMU for co-simulation, FMI 2.0 or 3.0.
 
-    A robot is given the forces of its motors and has its positions and speeds as outputs, in the
-    steps of :class:`psp3.simulation.runge_kutta.RungeKutta`. A controller is given positions,
-    speeds and the desired motion at the beginning of a step, and has the forces as outputs.
-    Parameters of a robot are where and how fast it starts, and the largest forces of its motors.
+    A robot's inputs are the forces of its motors, and its outputs are its positions and speeds, in
+    the steps of :class:`psp3.simulation.runge_kutta.RungeKutta`. A controller's inputs are
+    positions, speeds and the desired motion at the beginning of a step, and its outputs are the
+    forces. Parameters of a robot are its initial positions and speeds, and the largest forces of
+    its motors.
 
-    Numbers are those of :func:`psp3.simulate` with the same period. Where robot and controller take
-    their steps in parallel, as most programs let them, the forces arrive one period late, as under
-    ``simulate(delay=1)``; where the controller takes each step first, they do not.
+    The numbers are those of :func:`psp3.simulate` with the same period. Most programs step robot
+    and controller in parallel; the forces then arrive one period late, as with
+    ``simulate(delay=1)``. If the controller takes each step first, there is no delay.
 
     Parameters
     ----------
     thing : Robot, controller, or path
-        What to write; of a controller its object, or the file of a trained one.
+        What to write: a robot, a controller, or the file of a trained controller.
     path : path
         The file to write, ``*.fmu``.
     robot : Robot, optional
-        What the controller steers, if it does not know that.
+        The robot of the controller, if it does not know its robot.
     period : float
-        The communication step, of which all are multiples: the control period [s].
+        The control period; all communication steps are multiples of it [s].
     steps : int
-        Steps of integration of a robot in a period.
+        Integration steps of a robot in a period.
     drive : Drive or sequence of Drive
         Friction and motor inertia of a robot's actuated joints.
     torque_limit : float or (m,) array_like, optional
-        Largest force of a robot's motors unless another is set, as of :func:`psp3.simulate` [N],
-        [N m]; none by default.
+        Initial value of the largest force of a robot's motors, as in :func:`psp3.simulate` [N], [N
+        m]; no limit by default.
     name : str, optional
-        The identifier of the model; by default what the file is called.
+        The identifier of the model; by default from the name of the file.
     version : {"2.0", "3.0"}
-        Of FMI.
+        Version of FMI.
 
     Returns
     -------
     FMU
-        What was written. It has a binary where this is Linux on x86-64 with ``gcc``, and source
-        code in any case.
+        The FMU that was written. It has a binary if this is Linux on x86-64 with ``gcc``, and
+        always source code.
 
     Raises
     ------
     fuzzy2.errors.NotExportable
-        If there is no C for it, or FMI cannot write its names.
+        If the thing cannot be written in C, or FMI cannot hold its names.
     InvalidValue
         If an argument is malformed.
     UnknownName
@@ -147,7 +149,7 @@ def export_fmu(
     Warns
     -----
     SourceOnlyFMU
-        If there is no binary in it.
+        If the FMU has no binary.
     """
     path, period = checked_path("path", path), checked_positive("period", period)
     if path.suffix.lower() != ".fmu":
@@ -181,13 +183,13 @@ def export_fmu(
 
 
 def _standard(version: str) -> Standard:
-    """Return a version of FMI."""
+    """Return the functions of a version of FMI."""
     known_name("version of FMI", version, _STANDARDS)
     return _STANDARDS[version]
 
 
 def _identifier(text: str) -> str:
-    """Return an identifier of C like a text."""
+    """Return an identifier of C that resembles a text."""
     word = re.sub(r"\W+", "_", text, flags=re.ASCII)
     beginning = "" if word[:1].isalpha() or word[:1] == "_" else "model_"
     return f"{beginning}{word}"[:_LONGEST]
@@ -200,7 +202,7 @@ def _written(model: Model, path: Path, standard: Standard) -> FMU:
     files |= {
         name: (_C_FILES / name).read_text(encoding="utf-8") for name in (standard.face, _SHARED)
     }
-    # What identifies the FMU is a hash of all but itself.
+    # The identifier of the FMU is a hash of everything except itself.
     guid = _guid([*files.values(), glue(model, ""), standard.description(model, "", [])])
     files["model.h"] = glue(model, guid)
     sources = [file for file in files if file.endswith(".c")]
@@ -223,7 +225,7 @@ def _guid(texts: list[str]) -> str:
 
 
 def _compiled(files: dict[str, str], sources: list[str], name: str) -> tuple[bytes | None, str]:
-    """Return a shared library, or None and why there is none."""
+    """Return a shared library, or None and the reason."""
     if sys.platform != "linux" or platform.machine() != "x86_64":
         return None, "binaries are made on Linux for x86-64 only"
     compiler = shutil.which("gcc")
@@ -240,7 +242,7 @@ def _compiled(files: dict[str, str], sources: list[str], name: str) -> tuple[byt
 
 
 def _zip(contents: dict[str, str | bytes], path: Path) -> None:
-    """Write an archive, the same one for the same contents."""
+    """Write a zip archive that depends only on its contents."""
     with (
         written_whole(path, "wb") as file,
         zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive,

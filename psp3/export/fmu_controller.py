@@ -1,4 +1,4 @@
-"""A controller as an FMU: its reset and its step in C, by one period after the other."""
+"""A controller as an FMU: its reset and its step in C, one step per period."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from psp3.export.fmu_names import Names, acceleration, force, position, speed, v
 
 
 def controller_model(controller: Any, robot: Any, name: str, period: float) -> Model:
-    """Return a controller as a model that is given positions, speeds and the desired motion.
+    """Return a controller as a model whose inputs are positions, speeds and desired motion.
 
     Parameters
     ----------
     controller : Controller
-        Whose step is compiled, see :mod:`psp3.export.controllers`.
+        A controller that can be exported, see :mod:`psp3.export.controllers`.
     robot : Robot
-        What it steers.
+        Its robot.
     name : str
         An identifier of C.
     period : float
@@ -28,7 +28,7 @@ def controller_model(controller: Any, robot: Any, name: str, period: float) -> M
     Raises
     ------
     fuzzy2.errors.NotExportable
-        If there is no C for it.
+        If the controller cannot be written in C.
     """
     steered = robot_of(controller) if robot is None else robot
     code = code_of(controller, name=name_in_c(name), robot=robot)
@@ -51,7 +51,7 @@ def controller_model(controller: Any, robot: Any, name: str, period: float) -> M
         step,
         True,
         period,
-        {0: "the controller's forces are not finite: look at what it is given"},
+        {0: "the controller's forces are not finite: check its inputs"},
     )
 
 

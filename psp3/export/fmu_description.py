@@ -1,4 +1,4 @@
-"""What the files modelDescription.xml of all versions of FMI have in common."""
+"""Common parts of modelDescription.xml in all versions of FMI."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ BASE_UNITS = {
     "N": {"kg": 1, "m": 1, "s": -2},
     "N.m": {"kg": 1, "m": 2, "s": -2},
 }
-"""Units in those of the SI, by their exponents."""
+"""Units by their exponents of SI base units."""
 
 
 def root_of(model: Model, version: str, token: dict[str, str]) -> Element:
@@ -31,7 +31,7 @@ def root_of(model: Model, version: str, token: dict[str, str]) -> Element:
     model : Model
         The plant or controller.
     version : str
-        Of FMI.
+        Version of FMI.
     token : dict of str to str
         The attribute that binds the description to the code.
     """
@@ -46,7 +46,7 @@ def root_of(model: Model, version: str, token: dict[str, str]) -> Element:
 
 
 def add_units(root: Element, units: Iterable[str]) -> None:
-    """Say what units are in those of the SI."""
+    """Add the definitions of units in SI base units."""
     used = sorted(set(units) - {""})
     definitions = SubElement(root, "UnitDefinitions") if used else root
     for name in used:
@@ -55,7 +55,7 @@ def add_units(root: Element, units: Iterable[str]) -> None:
 
 
 def add_settings(root: Element, model: Model) -> None:
-    """Say what is logged, and which steps to take."""
+    """Add the log category, and the default experiment."""
     categories = SubElement(root, "LogCategories")
     SubElement(
         categories, "Category", name="logStatusError", description="Why something went wrong"
@@ -64,7 +64,7 @@ def add_settings(root: Element, model: Model) -> None:
 
 
 def kind_of(variable: Variable) -> dict[str, str]:
-    """Return the attributes that say what a variable is for, and where its first value is from."""
+    """Return the attributes for a variable's causality and the source of its first value."""
     of_each = {
         "parameter": {"variability": "fixed", "initial": "exact"},
         "input": {},
@@ -81,7 +81,7 @@ def number_of(variable: Variable) -> dict[str, str]:
 
 
 def known_of(model: Model) -> tuple[list[int], list[int]]:
-    """Return on which variables each output depends: in a step, and when all begins."""
+    """Return the variables that each output depends on, in a step and at initialization."""
     inputs = model.of("input") if model.feeds_through else []
     return inputs, inputs or model.of("parameter")
 

@@ -1,4 +1,4 @@
-"""FMI 2.0: its modelDescription.xml, and where things are in an FMU."""
+"""FMI 2.0: its modelDescription.xml, and the layout of an FMU."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def description(model: Model, guid: str, sources: Sequence[str]) -> str:
     model : Model
         The plant or controller.
     guid : str
-        What binds it to the code.
+        The identifier that binds it to the code.
     sources : sequence of str
         Files to compile.
     """
@@ -54,7 +54,7 @@ def description(model: Model, guid: str, sources: Sequence[str]) -> str:
 
 
 def _add_structure(root: Element, model: Model) -> None:
-    """Say which variables outputs depend on: by their numbers, which begin with one."""
+    """Add the dependencies of outputs, by the indices of variables, which begin with one."""
     structure = SubElement(root, "ModelStructure")
     for name, known in zip(("Outputs", "InitialUnknowns"), known_of(model), strict=True):
         group = SubElement(structure, name)

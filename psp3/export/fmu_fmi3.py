@@ -1,4 +1,4 @@
-"""FMI 3.0: its modelDescription.xml and buildDescription.xml, and where things are in an FMU."""
+"""FMI 3.0: its modelDescription.xml and buildDescription.xml, and the layout of an FMU."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ def description(model: Model, token: str, sources: Sequence[str]) -> str:
     model : Model
         The plant or controller.
     token : str
-        What binds it to the code.
+        The identifier that binds it to the code.
     sources : sequence of str
-        Files to compile, which the other file names.
+        Files to compile; buildDescription.xml lists them.
     """
     root = root_of(model, "3.0", {"instantiationToken": token})
     SubElement(
@@ -61,7 +61,7 @@ def description(model: Model, token: str, sources: Sequence[str]) -> str:
 
 
 def _add_structure(root: Element, model: Model) -> None:
-    """Say which variables outputs depend on, by their value references."""
+    """Add the dependencies of outputs, by value references."""
     structure = SubElement(root, "ModelStructure")
     for name, known in zip(("Output", "InitialUnknown"), known_of(model), strict=True):
         for place in model.of("output"):
@@ -70,7 +70,7 @@ def _add_structure(root: Element, model: Model) -> None:
 
 
 def build_description(model: Model, sources: Sequence[str]) -> dict[str, str]:
-    """Return buildDescription.xml, by its name."""
+    """Return buildDescription.xml under its file name."""
     root = Element("fmiBuildDescription", fmiVersion="3.0")
     build = SubElement(root, "BuildConfiguration", modelIdentifier=model.name)
     files = SubElement(build, "SourceFileSet", language="C99")

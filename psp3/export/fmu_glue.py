@@ -1,4 +1,4 @@
-"""The header model.h of an FMU: what its functions in C are told of the model."""
+"""The header model.h of an FMU, which describes the model to the C functions."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def glue(model: Model, guid: str) -> str:
     model : Model
         The plant or controller.
     guid : str
-        What binds it to its modelDescription.xml.
+        The identifier that binds it to its modelDescription.xml.
     """
     state = f"{model.code.name}_state" if _has_state(model) else "struct { char none; }"
     return "\n".join(
@@ -54,7 +54,7 @@ def _has_state(model: Model) -> bool:
 
 
 def _text(text: str) -> str:
-    """Return a text as C writes it: what is not plain by the numbers of its bytes in UTF-8."""
+    """Return a text as a C string literal; special characters are escaped as bytes of UTF-8."""
     plain = (
         chr(b) if 32 <= b < 127 and chr(b) not in '"?\\' else f"\\{b:03o}" for b in text.encode()
     )
@@ -72,7 +72,7 @@ def _table(kind: str, name: str, entries: Iterable[str]) -> str:
 
 
 def _call(model: Model, function: CFunction | None, state: str = "state") -> str:
-    """Return a statement that calls a function and returns 1 where all is well."""
+    """Return a statement that calls a function and returns 1 on success."""
     if function is None:
         return "return 1;"
     given = [state] if function.has_state else []
@@ -88,11 +88,11 @@ def _call(model: Model, function: CFunction | None, state: str = "state") -> str
 
 
 def _shown(model: Model) -> list[str]:
-    """Return what writes the outputs before the first step."""
+    """Return the body of the function that writes the outputs before the first step."""
     if not model.feeds_through:
-        # They were written where it began.
+        # A plant writes its outputs when it begins.
         return ["return 1;"]
-    # The step to come is taken by a copy: what the model remembers stays as it is.
+    # The next step is computed on a copy, so the model's memory does not change.
     if not model.step.has_state:
         return [_call(model, model.step)]
     return ["model_state copy = *state;", _call(model, model.step, "&copy")]

@@ -1,6 +1,7 @@
-"""What the functions of a plant do in an FMU, around the kernels of compiled loops.
+"""The functions of a plant in an FMU, around the kernels of compiled loops.
 
-They are plain Python that is translated, and never compiled: what they call is.
+They are plain Python that is translated to C. Only the kernels that they call are compiled in
+Python.
 """
 
 from __future__ import annotations
@@ -12,19 +13,19 @@ from psp3.dynamics.compiled_robot import advance, is_state
 from psp3.simulation.kernels import limited
 
 BEYOND_LIMITS = -1
-"""What is returned where the first coordinate is beyond its limits; one less for each that follows,
-and then for each motor whose largest force is no positive number.
+"""Code if the first coordinate is beyond its limits. It is one less for each following coordinate,
+and then for each motor whose largest force is not positive.
 """
 
 
 def restart(robot: Any, reference: Array) -> None:
-    """Let the robot begin in the reference pose, if it looks for poses at all."""
+    """Start in the reference pose, if the robot has loops to close."""
     for i in range(reference.size):
         robot.memory[i] = reference[i]
 
 
 def is_within(motion: Array, low: Array, high: Array) -> int:
-    """Return 1 where all positions are within their limits, or -1 - i of the first that is not."""
+    """Return 1 if all positions are within their limits, or -1 - i for the first that is not."""
     for i in range(low.size):
         if not low[i] <= motion[i] <= high[i]:
             return BEYOND_LIMITS - i
@@ -51,7 +52,7 @@ def begin(
     positions: Array,
     speeds: Array,
 ) -> int:
-    """Put the robot into a state; return 1, 0 where it has no such pose, or -1 - i at a limit."""
+    """Set the robot's state; return 1, 0 if it has no such pose, or -1 - i at a limit."""
     for i in range(largest.size):
         if not largest[i] > 0.0:
             return BEYOND_LIMITS - low.size - i
@@ -62,7 +63,7 @@ def begin(
     restart(robot, reference)
     if not is_state(robot, motion):
         return 0
-    # As in the compiled loop the first step looks for its pose from the reference.
+    # As in the compiled loop, the first step searches its pose from the reference pose.
     restart(robot, reference)
     write_motion(motion, positions, speeds)
     return is_within(motion, low, high)
@@ -82,7 +83,7 @@ def move(
     positions: Array,
     speeds: Array,
 ) -> int:
-    """Go on by one period; return 1, 0 where no pose is reached, or -1 - i at a limit."""
+    """Advance by one period; return 1, 0 if no pose is reached, or -1 - i at a limit."""
     for i in range(largest.size):
         applied[i] = limited(forces[i], largest[i])
     if not advance(robot, motion, applied, step, steps, drives):

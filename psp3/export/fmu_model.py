@@ -1,4 +1,4 @@
-"""What an FMU is made of: C code, and the variables that its functions read and write."""
+"""The content of an FMU: C code, and the variables that its functions read and write."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from fuzzy2.export.c_code import CCode, CFunction
 Causality = Literal["parameter", "input", "output"]
 
 _NOT_IN_XML = re.compile(r"[^ -~\u00a0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-"""Characters that no XML has, and those that a name of a variable must not have: ends of lines."""
+"""Characters that XML does not allow, and line ends, which variable names must not have."""
 
 
 def name_in_c(name: str) -> str:
-    """Return what the code of a model is called: never as a word of C, or what else is there."""
+    """Return the prefix of a model's code; it never equals a C keyword or another name there."""
     return f"code_{name}"
 
 
@@ -31,13 +31,13 @@ class Variable:
     name : str
         Its name.
     about : str
-        What it is.
+        Description of the variable.
     unit : str
         Its unit as FMI writes it, ``"N.m"``; empty for none.
     causality : {"parameter", "input", "output"}
         A parameter is set before the simulation begins.
     start : float
-        What it is until it is set; of an output nothing.
+        Initial value until it is set; not used for an output.
     """
 
     name: str
@@ -49,9 +49,9 @@ class Variable:
 
 @dataclass(frozen=True)
 class Model:
-    """A plant or a controller that goes on by one period in each step.
+    """A plant or a controller that advances by one period in each step.
 
-    All functions of ``code`` that return something return 1 where all is well.
+    All functions of ``code`` that return something return 1 on success.
 
     Parameters
     ----------
@@ -60,27 +60,27 @@ class Model:
     code : CCode
         Its functions in C.
     title : str
-        What it is, a sentence.
+        Description of the model in a sentence.
     variables : tuple of Variable
-        Its variables; a value reference is a place among them.
+        Its variables; a value reference is an index into them.
     places : mapping of str to int
-        For each array that the functions read or write the place of its first variable.
+        For each array that the functions read or write, the index of its first variable.
     begin : CFunction or None
-        Puts the state where it begins; None where there is no state.
+        Function that sets the initial state; None if there is no state.
     step : CFunction
-        Goes on by one period; ``t`` is the time at which that begins.
+        Function that advances by one period; ``t`` is the time at its beginning.
     feeds_through : bool
-        Whether outputs belong to the inputs at the beginning of a step, as of a controller, and not
-        to the end of it, as of a plant.
+        Whether outputs belong to the inputs at the beginning of a step, as for a controller, or to
+        its end, as for a plant.
     period : float
         The period [s].
     messages : mapping of int to str
-        What a function means by returning another number than 1.
+        Meanings of the return codes other than 1.
 
     Raises
     ------
     fuzzy2.errors.NotExportable
-        If two variables would have one name, or there are characters that XML cannot hold.
+        If two variables would have the same name, or XML cannot hold a character.
     """
 
     name: str
@@ -113,7 +113,7 @@ class Model:
 def in_one_row(
     groups: Mapping[str, Sequence[Variable]],
 ) -> tuple[tuple[Variable, ...], dict[str, int]]:
-    """Return the variables of arrays one after the other, and for each array where it begins."""
+    """Return the variables of all arrays in a row, and the index at which each array begins."""
     row: list[Variable] = []
     places = {}
     for array, group in groups.items():

@@ -1,4 +1,4 @@
-"""What the variables of an FMU are called, and their units.
+"""Names and units of the variables of an FMU.
 
 A unit is written as FMI does: ``"N.m"``, ``"rad/s2"``.
 """
@@ -20,9 +20,9 @@ class Names:
     Parameters
     ----------
     positions, speeds, motors : tuple of (str, str)
-        Each name with the unit of a position; empty where there is none or none is known.
+        Each name with the unit of a position; the unit is empty if there is none or it is unknown.
     commanded : int
-        How many positions, the first ones, the motors command.
+        Number of positions that the motors command, which come first.
     """
 
     positions: tuple[tuple[str, str], ...]
@@ -32,7 +32,7 @@ class Names:
 
     @classmethod
     def of(cls, robot: Any) -> Names:
-        """Return those of a robot."""
+        """Return the names and units of a robot."""
         turning, model = rotating(robot.model), robot.model
         positions: list[tuple[str, str]] = []
         speeds: list[tuple[str, str]] = []
@@ -40,7 +40,7 @@ class Names:
             joint = model.joints[model.getJointId(name)]
             units = ["rad" if turning[joint.idx_v + k] else "m" for k in range(joint.nv)]
             speeds += _numbered(name, units)
-            # A base that floats has its place first, and then a quaternion, or cosine and sine.
+            # A floating base has its position first, and then a quaternion, or cosine and sine.
             way = units if joint.nq == joint.nv else [unit for unit in units if unit == "m"]
             positions += _numbered(name, [*way, *[""] * (joint.nq - len(way))])
         joints = {
@@ -77,17 +77,17 @@ def variables(
     Parameters
     ----------
     kind : str
-        What the names begin with: ``"position"``.
+        Prefix of the names, such as ``"position"``.
     about : str
-        What each is, before the name of its joint.
+        Description of each, before the name of its joint.
     joints : iterable of (str, str)
         Names, with the units of positions.
     unit_of : callable
-        Returns the unit, from that of a position.
+        Returns the unit, given that of a position.
     causality : {"parameter", "input", "output"}
-        Of all.
+        Causality of all.
     start : ndarray, optional
-        What they are until they are set; zeros unless given.
+        Initial values; zeros by default.
     """
     return [
         Variable(
@@ -102,7 +102,7 @@ def variables(
 
 
 def position(unit: str) -> str:
-    """Return the unit of a position, which is what the others are told from."""
+    """Return the unit of a position, from which the other units are derived."""
     return unit
 
 

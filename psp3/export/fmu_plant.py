@@ -20,7 +20,8 @@ from psp3.export.fmu_names import Names, force, position, speed, variables
 from psp3.multibody.tree import AT_BEFORE
 
 NO_LIMIT = float(np.finfo(float).max)
-"""The largest force of a motor without a limit: the largest number, which all programs can read."""
+"""The largest force of a motor without a limit: the largest double, which all programs can read,
+unlike infinity."""
 
 _NO_REFERENCE = np.empty(0)
 
@@ -44,16 +45,16 @@ def plant_model(
     period : float
         Time between two changes of the forces [s].
     steps : int
-        Steps of integration in it.
+        Integration steps in a period.
     drive : Drive or sequence of Drive
-        Of all motors, or of each.
+        Drive of all motors, or of each.
     torque_limit : float or (m,) array_like, optional
-        Largest forces until others are set [N], [N m]; none unless given.
+        Initial largest forces [N], [N m]; no limit by default.
 
     Raises
     ------
     fuzzy2.errors.NotExportable
-        If the robot has dynamics of its own class.
+        If a class of the robot's own overrides its dynamics.
     InvalidValue
         If a limit is not positive.
     """
@@ -111,37 +112,37 @@ def _about(robot: Any, period: float, steps: int) -> list[str]:
 def _add_functions(
     writer: CWriter, robot: Any, plant: Any, period: float
 ) -> tuple[CFunction, CFunction]:
-    """Add what puts the robot into a state, and what moves it on."""
+    """Add the functions that set the robot's state and advance it."""
     table, (low, high) = plant.robot, robot.limits
     m, p, n = len(robot.actuated), len(low), len(robot.coordinates_v)
     mixed, reference = _parts(table)
     motion = Argument("motion", "positions and speeds", p + n, "state")
     limits: list[Known | Argument] = [Known("low", low), Known("high", high), motion]
-    largest = Argument("largest_forces", "that the motors exert, whatever is asked for [N, N m]", m)
+    largest = Argument("largest_forces", "limits of the motors' forces [N, N m]", m)
     shown = [
-        Argument("positions", "where the robot is [m, rad]", p, "out"),
+        Argument("positions", "positions of the robot [m, rad]", p, "out"),
         Argument("speeds", "its speeds [m/s, rad/s]", n, "out"),
     ]
     begins = writer.add(
         "begin",
-        "Put the robot into a state.",
+        "Set the state of the robot.",
         begin,
         [
             mixed,
             Known("reference", reference),
             *limits,
-            Argument("start_positions", "where the robot begins [m, rad]", p),
-            Argument("start_speeds", "with which speeds [m/s, rad/s]", n),
+            Argument("start_positions", "initial positions [m, rad]", p),
+            Argument("start_speeds", "initial speeds [m/s, rad/s]", n),
             largest,
             *shown,
         ],
-        "1; 0 where there is no such pose; -1 - i where coordinate i is beyond its limits, less "
-        "where a largest force is not positive",
+        "1; 0 if there is no such pose; -1 - i if coordinate i is beyond its limits, less if a "
+        "largest force is not positive",
     )
     step = [Known("step", period / plant.steps), Known("steps", plant.steps)]
     moves = writer.add(
         "step",
-        "Go on by one period.",
+        "Advance by one period.",
         move,
         [
             mixed,
@@ -153,24 +154,24 @@ def _add_functions(
             largest,
             *shown,
         ],
-        "1; 0 where no pose is reached; -1 - i where coordinate i is beyond its limits",
+        "1; 0 if no pose is reached; -1 - i if coordinate i is beyond its limits",
     )
     return begins, moves
 
 
 def _parts(table: Any) -> tuple[Mixed, Array]:
-    """Return a robot's table, of which its memory is part of the struct, and the reference pose."""
+    """Return a robot's table, whose memory is part of the struct, and the reference pose."""
     room = "memory" if hasattr(table, "memory") else "scratch"
     array = getattr(table, room)
-    states = {room: Argument(room, "last pose, and room to work in", array.size, "state")}
+    states = {room: Argument(room, "last pose, and scratch space", array.size, "state")}
     reference = array[: int(table.tree[AT_BEFORE])].copy() if room == "memory" else _NO_REFERENCE
     return Mixed("robot", table, states), reference
 
 
 def _messages(robot: Any, names: Names) -> dict[int, str]:
     messages = {
-        0: f"{robot.title} has no pose there, or reached one that it cannot take: its loops cannot "
-        "be closed, or numbers are not finite; look at the forces"
+        0: f"{robot.title} has no such pose, or reached one that is impossible: its loops cannot "
+        "be closed, or numbers are not finite; check the forces"
     }
     for i, ((name, unit), low, high) in enumerate(zip(names.positions, *robot.limits, strict=True)):
         if high < math.inf or low > -math.inf:

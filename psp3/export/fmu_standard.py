@@ -1,4 +1,4 @@
-"""A version of FMI: what differs between FMUs of one version and of another."""
+"""A version of FMI: the parts of FMUs that differ between versions."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ class Standard:
     face : str
         The file with its functions in C.
     platform : str
-        What it calls the folder of binaries for Linux on x86-64.
+        Name of the folder of binaries for Linux on x86-64.
     description : callable
-        Returns modelDescription.xml of a model, what binds that to the code, and the files to
-        compile.
+        Returns modelDescription.xml of a model, given the model, the identifier of the code, and
+        the files to compile.
     about_sources : callable
-        Returns files about the sources, by name, of a model and the files to compile.
+        Returns files about the sources, by name, given the model and the files to compile.
     """
 
     version: str

@@ -1,4 +1,4 @@
-"""Anything that can be written in C, in a folder with a program, a test and a Makefile."""
+"""A folder with exported C code, a program, a test and a Makefile."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from psp3.robots.robot import Robot
 
 
 def opened(source: str | Path, robot: Any = None) -> Any:
-    """Return the robot of a name, or what is in a file: a robot, a controller or a fuzzy system.
+    """Return the robot of a name, or the robot, controller or fuzzy system in a file.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def opened(source: str | Path, robot: Any = None) -> Any:
     UnknownRobot
         If there is neither a file nor a robot of this name.
     PSP3Error, fuzzy2.errors.Fuzzy2Error, OSError
-        What the reader of the file raises.
+        Errors of the reader of the file.
     """
     path, suffix = Path(source), Path(source).suffix.lower()
     if is_robot(source):
@@ -51,7 +51,7 @@ def opened(source: str | Path, robot: Any = None) -> Any:
 
 
 def is_robot(source: str | Path) -> bool:
-    """Tell whether something is the name of a robot, or the file of one.
+    """Return whether a source is the name of a robot, or the file of one.
 
     Parameters
     ----------
@@ -74,14 +74,14 @@ def export_project(
 ) -> CCode:
     """Write a robot, a controller or a fuzzy system in C, with a program, a test and a Makefile.
 
-    The test has 200 cases, each of which calls every function once, and what Python answers.
+    The test has 200 cases, each of which calls every function once, and Python's results.
 
     Parameters
     ----------
     thing, precision, name, **options
         See :func:`psp3.export_c`.
     folder : path
-        Where; it is made if it is not there.
+        The folder to write to; it is made if it does not exist.
 
     Returns
     -------
@@ -91,9 +91,9 @@ def export_project(
     Raises
     ------
     fuzzy2.errors.NotExportable
-        If there is no C for it.
+        If the thing cannot be written in C.
     fuzzy2.errors.FileInTheWay
-        If the folder has a file of one of the names that no export left there as it is.
+        If the folder has a file of one of these names that is not an unchanged earlier export.
     """
     if hasattr(thing, "input_names"):
         prefix = "system" if name is None else name
@@ -108,10 +108,10 @@ def export_project(
 
 
 def _runnable(code: CCode, robot: Any) -> CCode:
-    """Return a description whose functions run in Python, too.
+    """Return a description whose functions also run in Python.
 
-    A controller without a model has none in C. In Python the compiler wants one, though no number
-    of it is asked for.
+    A controller without a model has none in C. In Python the compiler needs a model, although no
+    number of it is used.
     """
     functions = tuple(
         replace(one, known=tuple(_with_model(known, robot) for known in one.known))
@@ -129,7 +129,7 @@ def _with_model(known: Any, robot: Any) -> Any:
 
 
 def identifier(source: str | Path) -> str:
-    """Return a name in C for what has a name, or is in a file: its stem.
+    """Return a name in C for a thing's name or the stem of its file.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ def _outermost(path: Path) -> str:
 
 
 def _format_of(path: Path) -> Any:
-    """Return what a JSON file says of its format, if it says anything."""
+    """Return the format that a JSON file states, if any."""
     try:
         content = json.loads(read_text(path))
     except (ValueError, RecursionError):

@@ -1,9 +1,8 @@
-"""What C code of a robot does: the core's kernels, asked from the caller's last pose.
+"""The functions of a robot's C code: the core's kernels, started from the caller's last pose.
 
-These functions are translated, and in Python they run as they stand. Each takes the robot's tables,
-what its caller remembers (the core's memory, the report, and whether the memory begins with a
-closed pose), arguments and results. Each returns a code, and results of another code than ``DONE``
-are NaN.
+These functions are translated to C, and also run in Python. Each takes the robot's tables, the
+caller's state (the core's memory, the report, and whether the memory begins with a closed pose),
+arguments and results. Each returns a code; unless it is ``DONE``, the results are NaN.
 """
 
 from __future__ import annotations
@@ -43,14 +42,15 @@ from psp3.multibody.tree import (
 from psp3.robots.stepping import DrivenTables, forces_of_all, forces_of_first
 
 DONE, UNREACHABLE = CLOSED, 5
-"""Codes besides those of :mod:`psp3.multibody.motion`: done; the motors cannot do it."""
+"""Codes besides those of :mod:`psp3.multibody.motion`: done; the motors cannot produce the
+motion."""
 
 REPORT = 3
-"""Numbers of the report: share of the way, residual [m, rad], group of loops."""
+"""Length of the report: share of the way, residual [m, rad], group of loops."""
 
 
 class CoreTables(NamedTuple):
-    """A robot as translated kernels take it: the tree, its numbers, and the reference pose."""
+    """A robot for translated kernels: the tree, its numbers, and the reference pose."""
 
     tree: Indices
     numbers: Array
@@ -58,7 +58,7 @@ class CoreTables(NamedTuple):
 
 
 class MotorTables(NamedTuple):
-    """What motors drive that are no coordinates, see :class:`psp3.robots.stepping.DrivenTables`."""
+    """Tables of motors that are not coordinates, see :class:`psp3.robots.stepping.DrivenTables`."""
 
     motors: Array
     rest: Array
@@ -71,7 +71,7 @@ class MotorTables(NamedTuple):
 
 
 def reset(robot, memory, report, closed):
-    """Put the robot into its reference pose, from which the next one is looked for."""
+    """Reset the robot to its reference pose, from which the next pose is searched."""
     start_from(robot.tree, robot.reference, memory)
     closed[0] = 1
     for i in range(REPORT):
@@ -79,18 +79,18 @@ def reset(robot, memory, report, closed):
 
 
 def begin(robot, memory, closed, positions):
-    """Begin with the last pose, or with the reference if there is none, and aim at positions."""
+    """Start from the last pose, or from the reference if there is none, towards positions."""
     tree = robot.tree
     if closed[0] != 1:
         start_from(tree, robot.reference, memory)
-    # Until this call has gone well.
+    # The memory holds no closed pose until this call succeeds.
     closed[0] = 0
     for j in range(tree[POSITIONS]):
         memory[tree[AT_TARGET] + j] = positions[j]
 
 
 def ended(outcome, robot, memory, report, closed, out):
-    """Return a code; without an answer the report says how far it came, and results are NaN."""
+    """Return a code; after a failure the report says how far the call came, and results are NaN."""
     report[0], report[1], report[2] = 1.0, 0.0, 0.0
     if outcome == DONE:
         closed[0] = 1
@@ -104,7 +104,7 @@ def ended(outcome, robot, memory, report, closed, out):
 
 
 def answered(question, robot, memory, report, closed, positions, second, third, out):
-    """Write the answer to a question of the core; return a code."""
+    """Write the results of a request to the core; return a code."""
     begin(robot, memory, closed, positions)
     outcome = row_answered(
         question, robot.tree, robot.numbers, memory, second, third, 0, out, out.size
@@ -120,7 +120,7 @@ def configuration(robot, memory, report, closed, positions, q):
 
 
 def inverse_dynamics(robot, memory, report, closed, positions, speeds, accelerations, forces):
-    """Write the forces along the coordinates (n) of a motion."""
+    """Write the forces along the coordinates (n) for a motion."""
     return answered(
         INVERSE_DYNAMICS, robot, memory, report, closed, positions, speeds, accelerations, forces
     )

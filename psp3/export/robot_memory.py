@@ -1,8 +1,8 @@
-"""Where the parts of a robot's memory are in C: as few numbers as what is asked for takes.
+"""The layout of a robot's memory in C, which is as small as its functions allow.
 
-The tree that is translated says where each part begins, so parts that are never needed at the same
-time can have the same place: behind the pose stand in one place what closes the loops and what
-comes of a closed pose, and behind these what both take.
+The translated tree says where each part begins, so parts that are never needed at the same time can
+share a place. The pose is first. Behind it the data for closing the loops and the results of a
+closed pose share one place. The scratch space of both comes last.
 """
 
 from __future__ import annotations
@@ -39,12 +39,14 @@ CLOSING = tuple(at for at in range(AT_BEFORE, AT_ACROSS + 1) if at not in THROUG
 DYNAMICS = tuple(range(AT_JOINT_SPEEDS, AT_ROOM + 1))
 
 ROOM_OF_FORCES = 4
-"""Vectors of the room that forces of a motion take; accelerations of many motors take one more."""
+"""Number of scratch vectors for the forces of a motion; accelerations of many motors take one
+more."""
 
 
 POSE, FORCES, COLUMNS, RATES = range(4)
-"""What is asked of a closed pose, each with all before: itself; the forces of a motion; L and what
-belongs to its columns, as a mass matrix or a Jacobian; how these change, as C.
+"""Levels of requests to a closed pose; each includes those before: the pose itself; the forces of a
+motion; L and data of its columns, such as a mass matrix or a Jacobian; the rates of these, such as
+C.
 """
 
 
@@ -61,7 +63,7 @@ def laid_out(tree: Indices, asked: int) -> Indices:
     Returns
     -------
     ndarray of int
-        Its ``AT_SECOND_RATES`` is the size of the memory; behind stands nothing.
+        Its ``AT_SECOND_RATES`` is the size of the memory, because nothing follows.
     """
     sizes = {at: int(tree[at + 1] - tree[at]) for at in range(AT_BEFORE, AT_SECOND_RATES)}
     groups = tree[int(tree[AT_GROUPS]) :][: GROUP_INTEGERS * int(tree[GROUPS])]
@@ -84,7 +86,7 @@ def laid_out(tree: Indices, asked: int) -> Indices:
 
 
 def _place(tree: Indices, parts: tuple[int, ...], sizes: dict[int, int], start: int) -> int:
-    """Write where parts begin that follow on one another, and return where they end."""
+    """Write where consecutive parts begin, and return where they end."""
     for part in parts:
         tree[part], start = start, start + sizes[part]
     return start

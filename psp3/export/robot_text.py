@@ -1,4 +1,4 @@
-"""What the header says of a robot: its coordinates, joints, motors and codes, in order."""
+"""The description of a robot in the header: its coordinates, joints, motors and codes, in order."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ CODES = (
     "0  done",
     "1  the loops could not be closed on the way to the positions: the report in the state says",
     "   which share of the way it came, the residual, and the group of loops",
-    "2  the mass matrix has no inverse here",
-    "3  a joint that follows would be beyond its limits",
-    "4  a result is not finite, as where an argument is not",
-    "5  the motors cannot do it",
-    "Where it is not 0 the results are NaN, and the next call starts from the reference pose.",
+    "2  the mass matrix is singular here",
+    "3  a passive joint would be beyond its limits",
+    "4  a result is not finite, for example because an argument is not",
+    "5  the motors cannot produce this motion",
+    "If it is not 0 the results are NaN, and the next call starts from the reference pose.",
 )
 
 
@@ -35,10 +35,10 @@ KINDS = {
     "own axes",
 }
 TURNS = "cosine and sine; its speed is angular"
-"""What the numbers of joints of several are."""
+"""Descriptions of joints that have several numbers."""
 
 LONGEST = 48
-"""Letters of a prefix that is made of a name: files are called like it, too."""
+"""Greatest length of a prefix that is made from a name, because files are named after it, too."""
 
 
 def identifier(name: str) -> str:
@@ -48,12 +48,12 @@ def identifier(name: str) -> str:
 
 
 def prefix_of(name: str) -> str:
-    """Return what all names of a robot's code begin with, and its files are called."""
+    """Return the prefix of all names in a robot's code, which is also the stem of its files."""
     return identifier(name or "robot")[:LONGEST]
 
 
 def chosen(functions: Sequence[str] | None, known: Sequence[str] | dict[str, int]) -> list[str]:
-    """Return the functions that are asked for; all if nothing is said.
+    """Return the chosen functions; all by default.
 
     Raises
     ------
@@ -102,7 +102,7 @@ def _entries(model: Any, joints: Sequence[str], of_speeds: bool) -> list[str]:
 
 
 def _kinds(model: Any, joints: Sequence[str]) -> str:
-    """Say what the numbers of joints of several coordinates are."""
+    """Describe the joints that have several numbers."""
     named: dict[str, list[str]] = {}
     for name in joints:
         joint = model.joints[model.getJointId(name)]
@@ -142,9 +142,9 @@ def about(robot: Any, table: Any, most_attempts: int) -> list[str]:
 
 
 def bound_of_time(groups: int, most_attempts: int) -> str:
-    """Say how many iterations a call takes at most."""
+    """Describe the greatest number of iterations of a call."""
     if not groups:
-        return "There are no loops: every call takes the same time, but for branches."
+        return "There are no loops: every call takes the same time, except for branches."
     return (
         f"Loops are closed from the last pose, in {groups} group(s), each in at most\n"
         f"{most_attempts} parts of the way, and each of these in at most {MOST_ITERATIONS} steps "

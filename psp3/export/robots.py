@@ -1,8 +1,8 @@
 """A robot as C99 code: kinematics and dynamics, loops closed in a bounded number of steps.
 
-The code answers as ``robot.inverse_dynamics(..., guess=last_pose)`` does, to the last bit: what is
-remembered between two calls is a struct of the caller's, which begins in the reference pose and
-then holds the pose of the last call. A robot in closed form needs no struct, see
+The results equal those of ``robot.inverse_dynamics(..., guess=last_pose)`` to the last bit. The
+memory between two calls is a struct of the caller, which begins in the reference pose and then
+holds the pose of the last call. A robot in closed form needs no struct, see
 :mod:`psp3.export.closed_form`.
 """
 
@@ -35,13 +35,13 @@ FUNCTIONS = {
     "mass_matrix": robot_memory.RATES,
     "equation_of_motion": robot_memory.RATES,
 }
-"""What can be asked, and what memory each takes."""
+"""The functions, and the level of memory that each needs."""
 
-CODE = "0, or what became of it (see above); the results are then NaN"
+CODE = "0; or an error code (see above), and the results are then NaN"
 
 
 def code_of(thing: Any, **options: Any) -> CCode | None:
-    """Return the C code of a robot, see :func:`robot_code`, or None of what is no robot."""
+    """Return the C code of a robot, see :func:`robot_code`; None if the thing is not a robot."""
     return robot_code(thing, **options) if isinstance(thing, Robot) else None
 
 
@@ -58,30 +58,30 @@ def robot_code(
 
     Functions are ``reset``, ``configuration`` of all joints, ``inverse_dynamics``,
     ``forward_dynamics``, ``mass_matrix``, ``equation_of_motion``, for each frame its ``placement``
-    and its ``jacobian``, and, where motors are not the coordinates, ``actuator_forces``. Gravity is
-    that of the model now.
+    and its ``jacobian``, and, if motors are not the coordinates, ``actuator_forces``. Gravity is
+    the model's value at this time.
 
     Parameters
     ----------
     robot : Robot
         The robot.
     precision : {"double", "single"}
-        Of all numbers.
+        Precision of all numbers.
     name : str, optional
         Prefix of all names; the robot's name by default.
     frames : sequence of str, optional
-        Names of frames; ``tip``, where there is one, by default.
+        Names of frames; by default ``tip``, if there is one.
     functions : sequence of str
-        Which of ``FUNCTIONS``; all by default. The struct is as small as these let it be.
+        Some of ``FUNCTIONS``; all by default. The struct is as small as they allow.
     most_attempts : int
-        So many parts of the way to new positions are tried for each group of loops; each takes at
+        Most parts of the way to new positions that are tried for each group of loops; each takes at
         most ``psp3.multibody.closing.MOST_ITERATIONS`` steps of Newton's method.
 
     Raises
     ------
     NotExportable
-        If the robot is of a class that changes its dynamics, has a closed form that does not know a
-        frame, or its loops ask for more digits than single precision has.
+        If a class of the robot's own overrides its dynamics, if its closed form lacks a frame, or
+        if its loops need more digits than single precision has.
     UnknownName
         If there is no such frame or function.
     """
@@ -89,11 +89,11 @@ def robot_code(
     if table is None:
         raise NotExportable(
             f"a robot of class {type(robot).__name__}",
-            "it may change the dynamics of its parts, which are what is written",
+            "it may override the dynamics that the code is made from",
             "a psp3.ClosedLoopRobot of the same parts",
         )
     if name is not None:
-        checked_kind("name", name, str, "text, of which an identifier of C is made")
+        checked_kind("name", name, str, "text that an identifier of C can be made from")
     prefix = robot_text.identifier(name) if name else robot_text.prefix_of(robot.model.name)
     if isinstance(table, ClosedForm):
         return closed_form.code_of(robot, table, precision, prefix, frames, functions)
@@ -101,7 +101,7 @@ def robot_code(
 
 
 class _Function(NamedTuple):
-    """A function of the code: which of ``FUNCTIONS``, its name, what it does, and how."""
+    """A function of the code: its entry of ``FUNCTIONS``, its name, description and kernel."""
 
     of: str
     name: str
@@ -112,7 +112,7 @@ class _Function(NamedTuple):
 
 
 class _Robot:
-    """A robot that closes its loops by iteration, as it is written."""
+    """The code of a robot that closes its loops by iteration."""
 
     def __init__(
         self,
@@ -151,7 +151,7 @@ class _Robot:
         writer = CWriter(name, precision, about, constants=constants)
         writer.add(
             "reset",
-            "Put the robot into its reference pose. Call this first.",
+            "Set the robot to its reference pose. Call this first.",
             robot_kernels.reset,
             [known, *state],
         )
@@ -173,13 +173,13 @@ class _Robot:
         return [
             _Function(
                 *("configuration",) * 2,
-                "Write the coordinates of all joints, loops closed.",
+                "Write the coordinates of all joints with closed loops.",
                 robot_kernels.configuration,
                 (positions, q),
             ),
             _Function(
                 *("inverse_dynamics",) * 2,
-                "Write the forces along the coordinates that a motion takes.",
+                "Write the forces along the coordinates for a motion.",
                 robot_kernels.inverse_dynamics,
                 (positions, speeds, accelerations, replace(forces, role="out")),
             ),
@@ -226,7 +226,7 @@ class _Robot:
             _Function(
                 "placement",
                 f"{prefix}_placement",
-                f"Write where the frame {frame} is in base axes.",
+                f"Write the placement of the frame {frame} in base axes.",
                 robot_kernels.placement,
                 (self.positions, placement),
                 known,
@@ -234,7 +234,7 @@ class _Robot:
             _Function(
                 "jacobian",
                 f"{prefix}_jacobian",
-                f"Write how the frame {frame} moves with the coordinates.",
+                f"Write the Jacobian of the frame {frame}.",
                 robot_kernels.jacobian,
                 (self.positions, J),
                 known,
@@ -242,7 +242,7 @@ class _Robot:
         ]
 
     def _motors(self) -> list[_Function]:
-        """Return what is asked of motors that are no coordinates."""
+        """Return the functions for motors that are not coordinates."""
         table, robot, n = self.table, self.robot, self.n
         if not isinstance(table, DrivenTables):
             return []
@@ -250,7 +250,7 @@ class _Robot:
         asked, what = n, "accelerations of the coordinates"
         if robot.commanded < n:
             asked = robot.commanded
-            what = f"accelerations of the first {asked} coordinates, the others follow"
+            what = f"accelerations of the first {asked} coordinates; the others are passive"
         accelerations = Argument("accelerations", f"{what} [m/s², rad/s²]", asked)
         forces = Argument(
             "motor_forces", "forces of the motors [N, N m]", len(robot.actuated), "out"
@@ -258,7 +258,7 @@ class _Robot:
         return [
             _Function(
                 *("actuator_forces",) * 2,
-                "Write the shortest forces of the motors that a motion takes.",
+                "Write the motor forces of least norm for a motion.",
                 robot_kernels.actuator_forces,
                 (self.positions, self.speeds, accelerations, forces),
                 (Known("motors", motors),),
@@ -270,14 +270,17 @@ def _state(pose: int, size: int) -> list[Argument]:
     """Return the parts of the struct."""
     return [
         Argument(
-            "memory", f"the first {pose} are the last pose, the others come and go", size, "state"
+            "memory",
+            f"the first {pose} are the last pose, the others are scratch space",
+            size,
+            "state",
         ),
         Argument(
             "report",
-            "of a call that returned 1: share of the way it came, residual [m, rad], and the "
+            "after a call that returned 1: share of the way it came, residual [m, rad], and the "
             "number of the group of loops",
             robot_kernels.REPORT,
             "state",
         ),
-        Argument("closed", "1 where the memory begins with a closed pose", 1, "state", True),
+        Argument("closed", "1 if the memory begins with a closed pose", 1, "state", True),
     ]

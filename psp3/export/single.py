@@ -1,8 +1,8 @@
-"""A robot's numbers in single precision: tolerances that its roundings can meet.
+"""A robot's numbers in single precision, with tolerances that can be met.
 
-What is asked in double precision of residuals and steps, some roundings of 2e-16, is never met
-where numbers have seven digits. Tolerances that are some roundings become as many of the larger
-ones; those that tell a rounding from a mistake, or a matrix that has no inverse, leave three digits
+In double precision, tolerances of residuals and steps are a few rounding errors of 2e-16, which
+numbers of seven digits never meet. Such tolerances become as many of the larger rounding errors.
+Tolerances that distinguish rounding from a mistake, or detect a singular matrix, leave three digits
 instead of seven.
 """
 
@@ -28,13 +28,13 @@ from psp3.multibody.tree import (
 )
 
 CLOSED_TO = 1e-7
-"""Residual at which loops count as closed, per meter of robot [m, rad]: a rounding. With some
-roundings, as in double precision, joints of links of centimeters keep four digits.
+"""Residual at which loops count as closed, per meter of robot [m, rad]: one rounding error. With a
+few rounding errors, as in double precision, joints of links of centimeters would keep only four
+digits.
 """
 
 LARGEST_RESIDUAL = 1e-5
-"""Residual that loops may keep where Newton's method can do no better, per meter of robot [m,
-rad].
+"""Residual that is accepted if Newton's method makes no more progress, per meter of robot [m, rad].
 """
 
 CONSTANTS: dict[str, float] = {
@@ -50,9 +50,9 @@ CONSTANTS: dict[str, float] = {
     "SMALLEST_STEP": 1e-4,
     "STILL": 1e-5,
 }
-"""Numbers of the kernels' modules that are others in single precision. Steps of differences are the
-third and the fourth root of a rounding, and a bit: of what is differentiated they leave five digits
-and three.
+"""Constants of the kernels' modules that differ in single precision. Steps of finite differences
+are slightly more than the third and the fourth root of a rounding error; the derivatives keep five
+and three digits.
 """
 
 
@@ -64,13 +64,13 @@ def numbers_of(table: Any, title: str) -> Array:
     table : Tables or DrivenTables
         The robot, in its reference pose.
     title : str
-        What it is called in an error.
+        Its name in an error message.
 
     Raises
     ------
     NotExportable
-        If the equations of a loop are so weak in the reference pose that seven digits do not tell
-        them from dependent ones.
+        If the equations of a loop are so nearly dependent in the reference pose that seven digits
+        do not suffice.
     """
     tree, numbers = table.tree, np.array(table.numbers)
     for group in range(int(tree[GROUPS])):

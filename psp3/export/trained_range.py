@@ -1,4 +1,4 @@
-"""What is true of a learned controller's rules wherever its inputs can be."""
+"""A property of a learned controller's rules over the whole range of its inputs."""
 
 from __future__ import annotations
 
@@ -10,19 +10,20 @@ from fuzzy2.systems.kernels import firing
 from psp3.fuzzy_control.kernels import BASE, Fuzzy
 
 HELD = 1e-250
-"""A firing strength that is a float with all its digits, with room to spare for rounding."""
+"""A firing strength above this is a float with all its digits, with a margin for rounding."""
 
 MOST_INPUTS = 12
-"""Of a rule base whose range is looked at in all its corners, 4096."""
+"""Most inputs of a rule base whose range is checked in all its corners, 4096."""
 
 
 def fires_everywhere(controller: Fuzzy) -> bool:
-    """Tell whether firing strengths are floats with all their digits all over the trained range.
+    """Return whether firing strengths keep all their digits over the whole trained range.
 
-    It is enough that the lower one of some rule is, or the upper ones of all are, see
-    ``fuzzy2.systems.log_firing_kernels.lost``. Outside of it rules are not asked: inputs are
-    clamped, or the exact model takes over. Each grade rises to its middle and falls from there, and
-    so does a rule's firing along each input; where it fires least is a corner of the range.
+    It suffices that the lower strength of one rule does, or the upper strengths of all rules do,
+    see ``fuzzy2.systems.log_firing_kernels.lost``. Outside of the range rules are not evaluated:
+    inputs are clamped, or the exact model takes over. Each grade rises to its middle and then
+    falls, and so does a rule's firing strength along each input. It is therefore least in a corner
+    of the range.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What functions in C are tested with: states about the motions that a robot can make."""
+"""Inputs for tests of functions in C: states around motions that a robot can make."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from psp3.trajectories.paths import Helix
 from psp3.trajectories.sway import Sway
 
 PERIOD = 0.05
-"""From one case to the next [s]."""
+"""Time between consecutive cases [s]."""
 
 ERROR = 0.02
-"""Of what is found, as a share of the range of what is desired."""
+"""Deviation of the measured state, as a share of the range of the desired one."""
 
 REACH = 0.02
-"""Of the tip about its place at the reference, along each axis [m]."""
+"""Amplitude of the tip around its reference position, along each axis [m]."""
 
 
 def of_robot(robot: Robot) -> dict[str, Array]:
-    """Return inputs of the functions of a robot, by the names of their arguments.
+    """Return inputs for the functions of a robot, by argument name.
 
-    Positions and speeds are about the reference, as far as the robot sways; coordinates that follow
-    stay there. Forces are what such motions take.
+    Positions and speeds vary around the reference pose as far as the robot sways; passive
+    coordinates stay there. Forces are those of such motions.
 
     Parameters
     ----------
@@ -55,9 +55,10 @@ def of_robot(robot: Robot) -> dict[str, Array]:
 
 
 def of_controller(robot: Robot) -> dict[str, Array]:
-    """Return inputs of the functions of a controller, by the names of their arguments.
+    """Return inputs for the functions of a controller, by argument name.
 
-    The desired motion is the helix of the 3-PSP, another robot sways; what is found is near it.
+    The desired motion is the helix for the 3-PSP, and sway for other robots; the measured state is
+    near it.
 
     Parameters
     ----------
@@ -86,13 +87,13 @@ def of_controller(robot: Robot) -> dict[str, Array]:
 
 
 def _reach(samples: Array) -> Array:
-    """Return how far each of several numbers goes from its middle, (n,)."""
+    """Return how far each of several numbers moves from its middle, (n,)."""
     reach: Array = np.ptp(samples, axis=0) / 2.0
     return reach
 
 
 def _about(middle: Array, reach: Array) -> tuple[Array, Array]:
-    """Return a range about a middle (n,); what has no reach stays there."""
+    """Return a range about a middle (n,); a number without reach stays there."""
     width = np.zeros(len(middle))
     width[: len(reach)] = reach
     return middle - width, middle + width

@@ -1,33 +1,35 @@
 r"""Adaptive fuzzy computed torque.
 
-A trained controller whose rules go on learning, of any robot.
+A trained controller of any robot whose rules continue to learn while the robot moves.
 
-Where several rule bases say M, C and G, of all robots but the 3-PSP, the consequents follow the
-tracking error by the law of Slotine and Li (:mod:`psp3.fuzzy_control.slotine_li`): a step takes a
-product for each of them, and C adapts, too. Where one rule base says all, as of the 3-PSP, they
-follow the torque that was applied by least squares, whose matrix of all consequents is small there.
-That is the rest of this page.
+There are two adaptation laws. If several rule bases estimate M, C and G, as for all robots except
+the 3-PSP, the tracking error drives the consequents by the law of Slotine and Li
+(:mod:`psp3.fuzzy_control.slotine_li`): a step costs one product per consequent, and C adapts, too.
+If one rule base estimates everything, as for the 3-PSP, the consequents are fitted to the applied
+torque by least squares, whose matrix over all consequents is small there. The rest of this page is
+about least squares.
 
-The force of the last period and the motion that it made are an equation for the rules, linear in
-their consequents,
+The force of the last period and the resulting motion give an equation for the rules that is linear
+in their consequents,
 
 .. math:: \tau = \hat M \ddot a + \hat C \dot a + \hat G = Y(a, \dot a, \ddot a)\, c,
 
-and with it the consequents of M and G are corrected by least squares that forget
-(:mod:`fuzzy2.learning.adaptation`); those of C stay, because its forces are too small here to learn
-from and to matter. Robustness comes from bounds at every place: what was trained keeps a weight
-that never fades, so nothing winds up without excitation; consequents stay in a box about what was
-trained, as the least squares within it, and that of M leaves no room for an M that is not positive
-definite; where the adapted M yet is less than a share of the trained one, as disordered rules can
-make it, the trained rules take over.
+and least squares with forgetting (:mod:`fuzzy2.learning.adaptation`) use it to correct the
+consequents of M and G. Those of C stay, because its forces are too small here to learn from or to
+matter. Three bounds make the adaptation robust. The trained consequents keep a weight that never
+fades, so nothing winds up without excitation. The consequents stay in a box around the trained
+ones, as the least-squares solution within the box, and the box of M excludes an M that is not
+positive definite. If the adapted M is nevertheless less than a share of the trained one, which
+disordered rules can cause, the trained rules take over.
 
-**Accelerations.** None is measured, and none is found by differentiation. The force is constant
-over a control period, so the mean acceleration of that period *is* the difference of two speeds
-over the period; the rest of the equation is taken at the middle of the period, which is exact to
-the second order. Both sides then pass the same first-order low-pass filter. In its sum the
-differences of speeds telescope, so noise of measurement enters as it does in the filtered regressor
-of Slotine and Li, whose integration by parts is of no use here: fuzzy basis functions depend on
-speeds, and their derivatives would bring the accelerations back.
+**Accelerations.** No acceleration is measured, and none is found by numerical differentiation. The
+force is constant over a control period, and the mean acceleration of that period *is* the
+difference of two speeds over the period. The other terms of the equation are evaluated at the
+middle of the period, which is accurate to second order. Both sides then pass the same first-order
+low-pass filter. In the filter's sum the differences of speeds telescope, so measurement noise
+enters as in the filtered regressor of Slotine and Li. Their integration by parts does not help
+here: fuzzy basis functions depend on speeds, so their derivatives would bring the accelerations
+back.
 
 Sources: R. H. Middleton and G. C. Goodwin, "Adaptive computed torque control for rigid link
 manipulators", Systems & Control Letters 10(1), 1988, for computed torque with a model from filtered
@@ -61,18 +63,18 @@ period.
 """
 
 LEAST_SHARE_OF_MASS = 0.25
-"""The adapted M is used while it exceeds this share of the trained one (as matrices do: the
-difference is positive definite).
+"""The adapted M is used while it exceeds this share of the trained one, in the sense that the
+difference is positive definite.
 """
 
 MEMORY, TRUST, LAG = 2.0, 1e-4, 0.05
-"""Defaults of least squares [s]."""
+"""Default memory and trust of least squares [s]."""
 
 FADING_TIME = 20.0
 """Default memory of the law of Slotine and Li [s]."""
 
 CRITICAL_TIMES = 4.0
-"""Its default trust, in 1/κ: the fastest that does not overshoot."""
+"""Default trust of the law of Slotine and Li, in units of 1/κ: the fastest without overshoot."""
 
 _ROWS = ("positions", "speeds", "desired positions", "desired speeds", "desired accelerations")
 
@@ -80,34 +82,34 @@ _ROWS = ("positions", "speeds", "desired positions", "desired speeds", "desired 
 class AdaptiveFuzzyComputedTorque(Described):
     r"""Fuzzy computed torque whose rules for M and G adapt while the robot moves.
 
-    It takes the place of a trained controller.
+    It replaces a trained controller.
 
     Parameters
     ----------
     controller : FuzzyComputedTorque
-        The trained controller: type-1 or interval type-2, with ``outside="clamp"``. It stays as it
-        is. Its gains are used.
+        The trained controller: type-1 or interval type-2, with ``outside="clamp"``. It is not
+        changed. Its gains are used.
     memory : float, optional
-        Time after which what was learned counts 1/e where nothing confirms it [s]: 2 of a sample of
-        the 3-PSP, and 20 of the consequents of other robots.
+        Time after which learned knowledge has faded to 1/e if no new data confirm it [s]. The
+        default is 2 for the samples of the 3-PSP, and 20 for the consequents of other robots.
     trust : float, optional
-        The weight of what was trained, as a time [s]. Of the 3-PSP the time for which the forces of
-        a rule must have missed by some amount to move its consequents half of the way, 1e-4, if
-        that rule fires alone; sixteen rules that share the firing take some ten times longer. Of
-        other robots the time constant with which G follows the forces, by default
-        :math:`4 / \kappa`, see :mod:`psp3.fuzzy_control.slotine_li`: the fastest that does not
-        overshoot.
+        The weight of the trained consequents, as a time [s]. For the 3-PSP it is the time for which
+        the forces of a rule must be wrong by some amount to correct half of that amount, if the
+        rule fires alone; the default is 1e-4. Sixteen rules that share the firing take about ten
+        times longer. For other robots it is the time constant with which G follows the forces, by
+        default :math:`4 / \kappa`, the fastest without overshoot, see
+        :mod:`psp3.fuzzy_control.slotine_li`.
     reach : float
-        Farthest that the consequents of G may go from what was trained, as a share of their mean,
+        Farthest that the consequents of G may move from the trained ones, as a share of their mean,
         above 0 and below 1: payloads of up to that share of the robot's weight are within reach.
-        Those of M of the 3-PSP may go as far as leaves a quarter of it,
-        :math:`\tfrac34 \lambda_{\min}(\bar M) / 3` in every entry with the average M of the rules.
-        Those of other robots may go as far as that share of
-        :math:`\sqrt{\bar M_{ii} \bar M_{jj}}`, those of C by that times a rate of the trained
-        motion, and those of G by what accelerates the motors, too.
+        For the 3-PSP, those of M may move until a quarter of M is left, :math:`\tfrac34
+        \lambda_{\min}(\bar M) / 3` in every entry with the average M of the rules. For other
+        robots, those of M may move by that share of :math:`\sqrt{\bar M_{ii} \bar M_{jj}}`, those
+        of C by that times a rate of the trained motion, and those of G in addition by the forces
+        that accelerate the motors.
     lag : float, optional
-        Of the 3-PSP, time constant of the low-pass filter [s], 0.05 by default. Longer suppresses
-        more noise of measurement, and learns later.
+        Time constant of the low-pass filter, for the 3-PSP only [s]; 0.05 by default. A longer one
+        suppresses more measurement noise, but learns later.
 
     Attributes
     ----------
@@ -116,7 +118,7 @@ class AdaptiveFuzzyComputedTorque(Described):
     kp, kv : float
         Its gains.
     rules : Rules
-        What it was trained to, with weight and box of adaptation.
+        The trained rules, with the weight and the box of adaptation.
     settings : Settings
         Numbers of the controller, as :mod:`psp3.fuzzy_control.adaptive_kernels` takes them, or
         :mod:`psp3.fuzzy_control.slotine_li_kernels`.
@@ -124,15 +126,15 @@ class AdaptiveFuzzyComputedTorque(Described):
     Raises
     ------
     InvalidValue
-        If the controller is not trained, or of another kind, or a number is outside of what it can
-        be, or not asked for of this robot.
+        If the controller is not trained, or of another kind, or if a number is out of range or does
+        not apply to this robot.
 
     Notes
     -----
-    The force that the 3-PSP learns from is the one that was returned by the last call: a force
-    limit of the motor, if it acts, and delays are taken for mass and weight. The same is true of
-    dry friction, of any robot. If the truth is out of reach (:attr:`at_reach`), the servo is left
-    with what the rules cannot say, and soft gains, as those of Table 6.1, may then lose the robot.
+    The 3-PSP learns from the force that the last call returned. An active force limit of the motor,
+    and delays, are therefore mistaken for mass and weight. So is dry friction, for any robot. If
+    the true consequents are out of reach (:attr:`at_reach`), the servo must correct the rest, and
+    soft gains such as those of Table 6.1 may then lose the robot.
     """
 
     rules: kernels.Rules | slotine_li_kernels.Rules
@@ -184,7 +186,7 @@ class AdaptiveFuzzyComputedTorque(Described):
 
     def _slotine_li(self, times: dict[str, float]) -> None:
         if "lag" in times:
-            wanted = "left out: this robot's rules learn from the error, which nothing filters"
+            wanted = "left out: this robot's rules learn from the tracking error, without a filter"
             raise InvalidValue("lag", times["lag"], wanted)
         poles = slotine_li.poles_of_servo(self.kp, self.kv)
         times = {"memory": FADING_TIME, "trust": CRITICAL_TIMES / poles.decay} | times
@@ -203,7 +205,7 @@ class AdaptiveFuzzyComputedTorque(Described):
         return f"{type(self).__name__}({self.base!r}, {said})"
 
     def reset(self) -> None:
-        """Go back to what was trained, and forget everything about earlier runs."""
+        """Return to the trained rules, and forget everything about earlier runs."""
         rules, settings = self.rules, self.settings
         if isinstance(rules, kernels.Rules) and isinstance(settings, kernels.Settings):
             memory = kernels.new_memory(rules.trained)
@@ -216,14 +218,14 @@ class AdaptiveFuzzyComputedTorque(Described):
         self._step = np.full(step_width(self.base.joints), np.nan)
 
     def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
-        """Return the torque, of shape (n,) [N or N m], after learning from what the last one did.
+        """Return the torque, of shape (n,) [N or N m], after learning from the last one's effect.
 
         Parameters
         ----------
         t : float
-            Time [s]. Nothing is learned if it has not gone on since the last call.
+            Time [s]. Nothing is learned unless it is later than at the last call.
         heights, speeds : (n,) array_like
-            Positions [m or rad] and speeds [m/s or rad/s]; of the 3-PSP those of its nuts.
+            Positions [m or rad] and speeds [m/s or rad/s]; for the 3-PSP those of its nuts.
         desired : Motion
             Desired positions, speeds and accelerations, (n,) each.
 
@@ -262,15 +264,15 @@ class AdaptiveFuzzyComputedTorque(Described):
         return self.base.numbers_said
 
     def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
-        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        """Return the controller's table for the compiled loop, or None, see :func:`steer`."""
         is_other = type(self) is not AdaptiveFuzzyComputedTorque
         if is_other or widths != Widths.of_motors(self.base.joints):
             return None
-        # The memory is this controller's own: what is learned in the loop stays.
+        # The table shares this controller's memory, so the knowledge learned in the loop is kept.
         return self._table
 
     def take(self, table: Any, steps: Array) -> dict[str, Array]:
-        """Be as after the last of the steps, and return what is reported of all."""
+        """Take the state after the last step, and return the reports of all steps."""
         self._step = steps[-1].copy() if len(steps) else self._step
         return reported(steps)
 
@@ -279,9 +281,9 @@ class AdaptiveFuzzyComputedTorque(Described):
         return self._table.memory
 
     def adapted(self) -> FuzzyComputedTorque:
-        """Return a controller with the rules as they are now, which does not adapt.
+        """Return a controller with the present rules that does not adapt.
 
-        It can be saved, and be the trained controller of another one that adapts.
+        It can be saved, or serve as the trained controller of another adaptive one.
 
         Raises
         ------
@@ -295,7 +297,7 @@ class AdaptiveFuzzyComputedTorque(Described):
         return self.base.with_systems(systems)
 
     def _consequents(self) -> list[Array]:
-        """Return the consequents (R, m) of each rule base as they are now."""
+        """Return the present consequents (R, m) of each rule base."""
         row, found, start = self._memory.consequents.ravel(), [], 0
         for system, place in zip(self.base.systems_, self.base.places, strict=True):
             shape = len(place.outputs), 2, len(system.rules)
@@ -306,15 +308,15 @@ class AdaptiveFuzzyComputedTorque(Described):
 
     @property
     def consequents(self) -> Array:
-        """Consequents as they are now, (R, m), where one rule base says all.
+        """The present consequents, (R, m), if there is one rule base.
 
-        Their order is that of :func:`psp3.fuzzy_control.numbers.output_names`, of the 3-PSP that of
-        :data:`psp3.fuzzy_control.records.OUTPUT_NAMES`.
+        Their order is that of :func:`psp3.fuzzy_control.numbers.output_names`; for the 3-PSP that
+        of :data:`psp3.fuzzy_control.records.OUTPUT_NAMES`.
 
         Raises
         ------
         InvalidValue
-            If there are several; :meth:`adapted` has them all.
+            If there are several rule bases; :meth:`adapted` has all their consequents.
         """
         found = self._consequents()
         if len(found) > 1:
@@ -324,14 +326,14 @@ class AdaptiveFuzzyComputedTorque(Described):
 
     @property
     def at_reach(self) -> bool:
-        """Whether a consequent is as far from what was trained as it may go."""
+        """Whether a consequent is as far from the trained one as it may go."""
         return bool((np.abs(self._memory.delta) >= self.rules.reach).any())
 
     @property
     def torque_interval(self) -> Array:
         """Ends of the torque interval of the last call, (n, 2) [N or N m].
 
-        Of the rules as they were then.
+        It belongs to the rules at that call.
         """
         n = self.base.joints
         return self._step[n : 3 * n].reshape(2, n).T.copy()
@@ -343,18 +345,18 @@ class AdaptiveFuzzyComputedTorque(Described):
 
     @property
     def fell_back(self) -> bool:
-        """Whether the trained rules took the place of the adapted ones at the last call.
+        """Whether the trained rules replaced the adapted ones at the last call.
 
-        They do where the adapted ones give no usable M. Of other robots than the 3-PSP their
-        average does, where no rule fires.
+        They do if the adapted ones give no usable M. For robots other than the 3-PSP, the average
+        of the trained rules replaces them if no rule fires.
         """
         return bool(self._step[-1] > 0.0)
 
 
 def trained_rules(controller: FuzzyComputedTorque, trust: float, reach: float) -> kernels.Rules:
-    """Return what a controller of the 3-PSP was trained to, with weight and box of adaptation.
+    """Return the trained rules of a 3-PSP's controller, with weight and box of adaptation.
 
-    It is as :mod:`psp3.fuzzy_control.adaptive_kernels` takes it.
+    They are in the form that :mod:`psp3.fuzzy_control.adaptive_kernels` takes.
     """
     system = controller.system_
     assert system.table is not None
@@ -362,14 +364,14 @@ def trained_rules(controller: FuzzyComputedTorque, trust: float, reach: float) -
     trained = np.ascontiguousarray(np.repeat(consequents.T, 2, axis=0))
     count = len(system.rules)
     mass, weight = consequents[:, [0, 3, 5]].mean(), np.abs(consequents[:, 15:]).mean()
-    # Entries that are off by no more than this make M smaller by three times as much at most, in
-    # the norm of its eigenvalues.
+    # Errors of up to this size in every entry reduce the eigenvalues of M by at most three times as
+    # much.
     entries = (
         (1.0 - LEAST_SHARE_OF_MASS)
         * float(np.linalg.eigvalsh(unpack(controller.fallback_)[0])[0])
         / 3.0
     )
-    # What is off by the same share counts the same, in M and in G.
+    # Equal relative errors count equally, in M and in G.
     prior = np.repeat([trust * (weight / mass) ** 2, trust], [6 * count, 3 * count])
     farthest = np.repeat([entries, reach * weight], [6 * count, 3 * count])
     return kernels.Rules(

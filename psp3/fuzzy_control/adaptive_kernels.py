@@ -1,10 +1,10 @@
 r"""Compiled loops of adaptive fuzzy computed torque.
 
-One step of the controller, and whole runs of it.
+They make single steps and whole runs of the controller.
 
 A rule base of type-1 or interval type-2 is ``table``, see ``fuzzy2.systems.kernels``, with
-consequents (36, R): left and right ends of the 18 estimated numbers in turn, for every rule. Of
-them M and G adapt, n = 9 R parameters.
+consequents (36, R): left and right ends of the 18 estimated numbers in turn, for every rule. Only
+those of M and G adapt, n = 9 R parameters.
 """
 
 from __future__ import annotations
@@ -35,15 +35,16 @@ ADAPTED = 9
 TIME, SINCE_UPDATE, CALLED = range(3)
 
 EARLY = 1e-9
-"""Share of the time between updates by which one may come early, so that rounding does not wait for
-a period more.
+"""Share of the time between updates by which an update may come early, because rounding could
+otherwise delay it by a period.
 """
 
 
 class Settings(NamedTuple):
-    """Gains, and the times and the share that adaptation goes by.
+    """Gains, and the times and the share that control the adaptation.
 
-    Without a ``memory``, 0, nothing is learned; ``least_share`` is that of the trained M.
+    With ``memory`` 0 nothing is learned. ``least_share`` is the least share of the trained M that
+    the adapted one must have.
     """
 
     kp: float
@@ -55,11 +56,11 @@ class Settings(NamedTuple):
 
 
 class Rules(NamedTuple):
-    """What was trained, and how far from it adaptation may go.
+    """The trained rules, and how far adaptation may move from them.
 
-    ``table`` is the system's, as its kernels take it, ``ranges`` (2, 4) are the trained inputs'
-    ends, ``trained`` the consequents, ``prior`` (n,) the weights of the trained consequents,
-    ``reach`` (n,) the farthest that they may go and ``least`` (n,) the same downward, negative.
+    ``table`` is the system's, as its kernels take it, ``ranges`` (2, 4) are the ends of the trained
+    inputs, ``trained`` are the consequents, ``prior`` (n,) their weights, ``reach`` (n,) the
+    farthest that they may move up, and ``least`` (n,) the farthest down, negative.
     """
 
     table: Array
@@ -71,7 +72,7 @@ class Rules(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """What changes from call to call.
+    """The state that changes from call to call.
 
     ``clock`` (3,), ``last`` (9,) heights, speeds and torque of the last call, ``rows`` (3, n) and
     ``residuals`` (3,) of the low-pass filter, the least-squares problem, ``information`` (n, n) and
@@ -124,15 +125,15 @@ def new_memory(trained: Array) -> Memory:
 
 @compiled
 def _place(j):
-    """Place of output j among those that adapt, or −1."""
+    """Index of output j among the adapting outputs, or −1."""
     return j if j < 6 else (j - 9 if j >= 15 else -1)
 
 
 @compiled
 def _inputs(ranges, heights, speeds, x):
-    """Write the four differences, put back into the trained ranges.
+    """Write the four differences, clamped to the trained ranges.
 
-    Return whether they were there.
+    Return whether they were within the ranges.
     """
     x[0], x[1], x[2], x[3] = (
         heights[0] - heights[1],
@@ -150,7 +151,7 @@ def _inputs(ranges, heights, speeds, x):
 
 @compiled
 def _observe(settings, rules, memory, heights, speeds, period, x, strengths, phi):
-    """Enter what the torque of the last period did into the least-squares problem."""
+    """Add the effect of the last period's torque to the least-squares problem."""
     count = rules.trained.shape[1]
     middle, rise = np.empty(6), np.empty(3)
     for i in range(3):
@@ -158,8 +159,7 @@ def _observe(settings, rules, memory, heights, speeds, period, x, strengths, phi
             0.5 * (heights[i] + memory.last[i]),
             0.5 * (speeds[i] + memory.last[3 + i]),
         )
-        # The mean acceleration of a period, exactly: the force was constant, and nothing is
-        # differentiated.
+        # This is the exact mean acceleration of the period, not a numerical derivative.
         rise[i] = (speeds[i] - memory.last[3 + i]) / period
     _inputs(rules.ranges, middle[:3], middle[3:], x)
     if not basis(rules.table, x, memory.consequents, memory.orders, strengths, phi):
@@ -194,7 +194,7 @@ def _observe(settings, rules, memory, heights, speeds, period, x, strengths, phi
 
 @compiled
 def _update(settings, rules, memory):
-    """Solve the least-squares problem now and then, within reach of what was trained."""
+    """Solve the least-squares problem at intervals, within reach of the trained consequents."""
     if memory.clock[SINCE_UPDATE] < (1.0 - EARLY) * settings.update_period:
         return
     memory.clock[SINCE_UPDATE] = 0.0
@@ -220,7 +220,7 @@ def _update(settings, rules, memory):
 
 @compiled
 def _estimate(phi, consequents, middle, spread):
-    """Write middles and half-widths of the eighteen numbers."""
+    """Write the middles and half-widths of the eighteen numbers."""
     for j in range(OUTPUTS):
         low, high = 0.0, 0.0
         for r in range(consequents.shape[1]):
@@ -242,10 +242,10 @@ def adaptive_step(
 ) -> bool:
     """Learn from the last period and write the next torque.
 
-    As ``kernels.fuzzy_torque`` does. Return whether it is finite.
+    The output is that of ``kernels.fuzzy_torque``. Return whether the torque is finite.
 
-    ``fell back`` says that the trained consequents took the place of the adapted ones, because
-    those gave no usable M.
+    ``fell back`` means that the trained consequents replaced the adapted ones, because those gave
+    no usable M.
     """
     total = t
     for i in range(3):
@@ -271,8 +271,8 @@ def adaptive_step(
             least[j] = middle[j] - settings.least_share * trained[j]
         fell_back = not is_positive_definite(least, 3, np.empty(6))
         if fell_back:
-            # Their order is another one than that of the adapted consequents, and so are their
-            # switch points.
+            # The trained consequents are ordered differently from the adapted ones, so their switch
+            # points differ.
             basis(rules.table, x, rules.trained, memory.orders, strengths, phi)
             _estimate(phi, rules.trained, middle, spread)
     servo = np.empty(3)

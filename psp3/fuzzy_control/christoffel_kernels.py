@@ -6,7 +6,7 @@ With the Christoffel symbols of the first kind,
           + \frac{\partial M_{ik}}{\partial a_j} - \frac{\partial M_{jk}}{\partial a_i}\right)
           \dot a_k,
 
-:math:`\dot M - 2 C` is skew-symmetric, as that of a robot is. M is what the type-1 rules say, of
+:math:`\dot M - 2 C` is skew-symmetric, as for a real robot. M is the estimate of type-1 rules with
 Gaussian terms whose grades are multiplied,
 
 .. math:: M = \sum_r \phi_r M_r, \qquad
@@ -15,8 +15,8 @@ Gaussian terms whose grades are multiplied,
           = \phi_r \Big(d_{ri} - \sum_s \phi_s d_{si}\Big), \quad
           d_{ri} = -\frac{x_i - m_{ri}}{\sigma_{ri}^2}.
 
-What is uncertain about the terms of a type-2 system does not enter: C is crisp. An input that is
-held at the end of its trained range does not change, and M with it.
+The uncertainty of a type-2 system's terms is ignored, so C is crisp. An input that is clamped to
+the end of its trained range counts as constant, so it adds nothing to the derivative of M.
 """
 
 from __future__ import annotations
@@ -29,20 +29,20 @@ from fuzzy2.support.compiled import scalar
 from psp3.checks import Array
 
 DERIVED = 2
-"""Numbers with which the array of :func:`derived` begins: those of rules and inputs."""
+"""Length of the head of :func:`derived`'s array, which holds the numbers of rules and inputs."""
 
 
 def derived(columns: Array, ranges: Array, means: Array, sigmas: Array, mass: Array) -> Array:
-    """Return what C is found from as one array.
+    """Return the data that C is computed from, as one array.
 
     Parameters
     ----------
     columns : (q,) ndarray of int
-        Numbers of M's inputs among all.
+        Indices of M's inputs among all inputs.
     ranges : (2, q) ndarray
-        Their least and greatest values; beyond them M does not change.
+        Least and greatest values of these inputs; beyond them M is constant.
     means, sigmas : (R, q) ndarray
-        Of each rule's terms.
+        Means and standard deviations of each rule's terms.
     mass : (R, n (n + 1) / 2) ndarray
         Upper triangle of each rule's M.
     """
@@ -100,7 +100,7 @@ def slopes_of_positions(places, columns, ranges, x, slopes, out):
 
 @scalar
 def christoffel_room(data: Array, n: int) -> int:
-    """Return how much room :func:`write_christoffel` takes for n joints."""
+    """Return the size of the scratch array of :func:`write_christoffel` for n joints."""
     rules, inputs = int(data[0]), int(data[1])
     return inputs + rules * (1 + inputs + n) + n * (n * (n + 1) // 2)
 
@@ -109,7 +109,7 @@ def christoffel_room(data: Array, n: int) -> int:
 def slopes_at(data: Array, places: Array, x: Array, room: Array, along: Array) -> None:
     """Write the slopes (R, n) of M's basis functions along the positions, at inputs x (p,).
 
-    ``room`` is memory for it, no more than :func:`christoffel_room` less that of ``along``.
+    ``room`` is scratch space of at most the size of :func:`christoffel_room` without ``along``.
     """
     rules, inputs = int(data[0]), int(data[1])
     o = DERIVED
@@ -131,9 +131,9 @@ def slopes_at(data: Array, places: Array, x: Array, room: Array, along: Array) -
 
 @scalar
 def write_coriolis(along: Array, mass: Array, speeds: Array, room: Array, numbers: Array) -> None:
-    """Write C (n, n) of M's consequents (R, n (n + 1) / 2) to its places in the numbers.
+    """Write C (n, n) from M's consequents (R, n (n + 1) / 2) to its places in the numbers.
 
-    ``room`` is memory for n of such rows.
+    ``room`` is scratch space for n such rows.
     """
     n, entries = speeds.size, mass.shape[1]
     rates = room[: n * entries].reshape(n, entries)
@@ -168,7 +168,7 @@ def write_christoffel(
 ) -> None:
     """Write C (n, n) to its places in the numbers, at inputs x (p,) and speeds (n,).
 
-    ``room`` (:func:`christoffel_room`,) is memory for it.
+    ``room`` (:func:`christoffel_room`,) is scratch space.
     """
     rules, inputs, n = int(data[0]), int(data[1]), speeds.size
     mass = data[DERIVED + 3 * inputs + 2 * rules * inputs :].reshape(rules, n * (n + 1) // 2)

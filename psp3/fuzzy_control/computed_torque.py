@@ -1,17 +1,17 @@
 r"""The controller of chapter 5.
 
-Computed torque with M, C and G estimated by fuzzy systems: of the 3-PSP by one, from four
-differences, and of any other robot from positions and speeds.
+It is computed torque with M, C and G estimated by fuzzy systems: for the 3-PSP by one system from
+four differences, and for any other robot from positions and speeds.
 
 .. math:: \tau = \alpha\,(\ddot a_d + k_v \dot e + k_p e) + \beta, \qquad
           \alpha = M, \quad \beta = C \dot a + G
 
 M, C and G are fuzzy numbers, the type-reduced outputs of one rule base; so are :math:`\alpha`,
-:math:`\beta` and the torque, which the thesis defuzzifies last. Intervals and Gaussian numbers are
-affine (Theorems 1.4, 1.5): their crisp torque is the same when M, C and G are defuzzified first,
-which :meth:`FuzzyComputedTorque.torque` does by default. Numbers by α-planes are of no such kind.
-Their torque depends on the order, and ``defuzzify="last"`` takes the thesis's: the centroid (eq.
-1.68) of the fuzzy torque. Either way it is one compiled call.
+:math:`\beta` and the torque, which the thesis defuzzifies last. For intervals and Gaussian numbers
+arithmetic is affine (Theorems 1.4, 1.5): the crisp torque is the same when M, C and G are
+defuzzified first, which :meth:`FuzzyComputedTorque.torque` does by default. For numbers by α-planes
+the torque depends on the order, and ``defuzzify="last"`` takes the thesis's order: the centroid
+(eq. 1.68) of the fuzzy torque. Either way a step is one compiled call.
 """
 
 from __future__ import annotations
@@ -68,24 +68,23 @@ from psp3.trajectories.motion import Motion
 from psp3.trajectories.trajectory import Trajectory
 
 OUTSIDE = ("clamp", "crisp")
-"""What to do outside of the trained range: take the nearest inputs in it, or the exact M, C and
-G.
+"""What to do outside of the trained range: clamp the inputs to it, or use the exact M, C and G.
 """
 
 REDUCTIONS = ("alpha_planes", "gaussian")
 """Type reductions of the general type-2 controller."""
 
 ORDERS = ("first", "last")
-"""When to defuzzify: M, C and G before the torque is computed, or the fuzzy torque."""
+"""What to defuzzify: first M, C and G, before the torque is computed, or last the fuzzy torque."""
 
 LEAST_SNR = -100.0
-"""Least signal-to-noise ratio [dB]: noise of a hundred thousand times the signal."""
+"""Least signal-to-noise ratio [dB]: the noise is a hundred thousand times the signal."""
 
 SAMPLES = 209
-"""Samples that one rule base is learned from, the thesis's number."""
+"""Number of samples that a single rule base is learned from, as in the thesis."""
 
 MOST_SAMPLES = 2000
-"""Samples that several are learned from, unless the record has fewer."""
+"""Number of samples that several rule bases are learned from, unless the record has fewer."""
 
 FuzzyNumbers = IntervalNumber | GaussianNumber
 
@@ -103,74 +102,74 @@ class FuzzyComputedTorque(Described):
         secondary grades: the thesis's future work).
     robot : Robot, optional
         The robot to learn from, whose n coordinates are its motors; ``psp3.load("psp3")`` by
-        default. ``robot.learning_inputs`` says what its dynamics depend on. Where M and G depend on
-        less than C does, they have a rule base of their own.
+        default. ``robot.learning_inputs`` lists the inputs of its dynamics. If M and G depend on
+        fewer inputs than C, they have a rule base of their own.
     kp, kv : float
         Gains of the servo, 10 [1/s²] and 1 [1/s] in Table 6.1.
     n_terms : int, optional
-        Terms of every input, on a grid of rules. By default two where one rule base is enough, as
-        for the 3-PSP, which makes 16 rules; and else no grid, nor where the grid of one of several
-        rule bases would have more than 256 rules.
+        Number of terms of every input, on a grid of rules. If one rule base is enough, as for the
+        3-PSP, the default is two, which makes 16 rules. Otherwise the default is no grid. Of
+        several rule bases, those whose grid would have more than 256 rules have no grid either.
     rules : int, optional
-        Rules of every base where they are no grid, 32 by default: each stands about a sample, which
-        are chosen so that they cover all evenly.
+        Number of rules of every base without a grid, 32 by default. Each rule is centered on a
+        sample, and these samples cover the record evenly.
     learner : str, optional
         How rules are learned, see :class:`fuzzy2.WangMendel`, or ``"least-squares"``: its ridge
-        least squares, with a ridge that generalized cross-validation chooses. By default
-        ``"strongest"`` where one rule base says all, as of the 3-PSP: every rule takes the sample
-        that fires it most; and else ``"least-squares"``.
+        least squares, with a ridge that generalized cross-validation chooses. The default is
+        ``"strongest"`` for a single rule base, as for the 3-PSP: every rule takes the sample that
+        fires it most. For several it is ``"least-squares"``.
     coriolis : {"rules", "mass"}
-        Where C comes from: from rules of its own, or from the derivative of M
-        (:mod:`psp3.fuzzy_control.christoffel_kernels`), which needs no more rules than those for M,
-        and makes :math:`\dot M - 2 C` skew-symmetric.
+        Source of C: rules of its own, or the derivative of M
+        (:mod:`psp3.fuzzy_control.christoffel_kernels`), which needs no further rules and makes
+        :math:`\dot M - 2 C` skew-symmetric.
     snr_db : float
         Signal-to-noise ratio of the recorded M, C and G [dB]: noise of that power is added to the
         samples, and the mean variation follows from it. Infinite by default.
     mean_variation : float, optional
-        Distance of the terms' smallest and largest mean from the middle as a share of each input's
-        range; by default :func:`fuzzy2.mean_variation_from_snr` of ``snr_db``, which is 0 without
-        noise.
+        Distance of each term's smallest and largest mean from the middle, as a share of the input's
+        range. The default is :func:`fuzzy2.mean_variation_from_snr` of ``snr_db``, which is 0
+        without noise.
     levels : int
-        α-planes of a general type-2 system, each reduced exactly.
+        Number of α-planes of a general type-2 system, each reduced exactly.
     reduction : {"alpha_planes", "gaussian"}
-        Of a general type-2 system. By the Gaussian corollary the torque is that of ``"t1"``,
-        whatever the uncertainty, and only its spread is new: cheap monitoring.
+        Type reduction of a general type-2 system. With the Gaussian corollary the torque is that of
+        ``"t1"`` whatever the uncertainty, and only the spread is new: a cheap monitor.
     outside : {"clamp", "crisp"}
-        What to do outside of the range of the training inputs: take the nearest inputs within, or
-        the exact M, C and G.
+        What to do outside of the range of the training inputs: clamp the inputs to it, or use the
+        exact M, C and G.
     term_width : float
-        What the standard deviations of the terms are multiplied with after the rules are learned.
-        Wider terms average over more rules, in a type-1 controller too: what type-2 gains is to be
-        compared with that.
+        Factor on the standard deviations of the terms after the rules are learned. Wider terms
+        average over more rules, also in a type-1 controller, which is a fair comparison for the
+        gain of type-2.
     defuzzify : {"first", "last"}
-        What becomes crisp. First, M, C and G do; by α-planes each is then the average of its cuts'
-        middles, weighted with their levels. Last, the fuzzy torque does, by its centroid
-        (eq. 1.68), as in the thesis. Only α-planes make a difference of it, and whether an estimate
-        can be used is asked of the averages in either order.
+        When to defuzzify. ``"first"`` defuzzifies M, C and G; with α-planes, each is the average of
+        the middles of its cuts, weighted with their levels. ``"last"`` defuzzifies the fuzzy torque
+        with its centroid (eq. 1.68), as in the thesis. The order matters only with α-planes. In
+        either order, the averages decide whether an estimate is usable.
 
     Attributes
     ----------
     systems_ : tuple of fuzzy2 systems
-        What was learned: of the 3-PSP one system of 4 inputs and 18 outputs, else one for M and G
-        and one for C, if C has rules. Outputs are named as by
-        :func:`psp3.fuzzy_control.numbers.output_names`. M is symmetric, because its lower triangle
-        is its upper one.
+        The learned systems: for the 3-PSP one system of 4 inputs and 18 outputs, otherwise one for
+        M and G and one for C, if C has rules. The names of outputs are those of
+        :func:`psp3.fuzzy_control.numbers.output_names`. M is symmetric, because only its upper
+        triangle is learned.
     ranges_ : (2, p) ndarray
-        Smallest and largest training inputs, of all inputs.
+        Smallest and largest training value of every input.
     fallback_ : (K,) ndarray
-        Average over the rules. It takes the place of an estimate that is not finite, or whose M is
-        not positive definite.
+        Average over the rules. It replaces an estimate that is not finite, or whose M is not
+        positive definite.
 
     Raises
     ------
     InvalidValue, UnknownName
-        If a parameter is not what it must be.
+        If a parameter is invalid.
 
     Notes
     -----
-    Source: thesis chapter 5, Figs. 47 and 48. The text says that defuzzifying first is right for
-    interval systems only; it is for Gaussian numbers as well. For other shapes it is not: the
-    centroid of a sum is not the sum of the centroids.
+    Source: thesis chapter 5, Figs. 47 and 48. The text says that only interval systems may be
+    defuzzified first; Gaussian numbers may, too. Other shapes may not, because the centroid of a
+    sum is not the sum of the centroids.
     """
 
     systems_: tuple[FuzzySystem, ...]
@@ -206,7 +205,7 @@ class FuzzyComputedTorque(Described):
             ("learner", "strongest" if learner is None else learner, LEARNERS),
             ("origin of C", coriolis, CORIOLIS),
             ("reduction", reduction, REDUCTIONS),
-            ("way outside of the trained range", outside, OUTSIDE),
+            ("treatment of inputs outside of the trained range", outside, OUTSIDE),
             ("order of defuzzification", defuzzify, ORDERS),
         ):
             known_name(what, name, known)
@@ -217,7 +216,7 @@ class FuzzyComputedTorque(Described):
         self.learner = learner or ("strongest" if says_all else "least-squares")
         self.samples = SAMPLES if says_all else MOST_SAMPLES
         self._most_grid_rules = math.inf if says_all else rule_bases.MOST_GRID_RULES
-        # The method of that name defuzzifies a number.
+        # The name ``defuzzify`` is taken by the method that defuzzifies a number.
         self.order = defuzzify
         self.kind, self.coriolis, self.reduction, self.outside = kind, coriolis, reduction, outside
         self.kp, self.kv = checked_not_negative("kp", kp), checked_not_negative("kv", kv)
@@ -281,8 +280,8 @@ class FuzzyComputedTorque(Described):
         duration : float
             Length of the training run [s].
         samples : int, optional
-            Number of samples, spread evenly over the recorded inputs; 209 by default where one rule
-            base is enough, and else 2000, or as many as there are.
+            Number of samples, spread evenly over the recorded inputs; by default 209 if one rule
+            base is enough, otherwise 2000 or as many as there are.
         rng : numpy.random.Generator, optional
             Source of the noise on the samples; a new one by default. Not used at an infinite
             signal-to-noise ratio.
@@ -295,8 +294,8 @@ class FuzzyComputedTorque(Described):
         Raises
         ------
         InvalidValue
-            If an input does not change on the trajectory, terms are so narrow that no rule fires on
-            a part of it, or a parameter is not what it must be.
+            If an input does not change on the trajectory, if terms are so narrow that no rule fires
+            on a part of it, or if a parameter is invalid.
         fuzzy2.errors.UnsupportedRule
             If no sample fires some rule by more than 0.001.
         UnusableEstimate
@@ -313,7 +312,7 @@ class FuzzyComputedTorque(Described):
         rng: np.random.Generator | None = None,
         noise: RecordNoise = NOISE_OF_THE_STUDY,
     ) -> Self:
-        """Learn from a record; see :meth:`fit`. ``noise`` says what the ratio ``snr_db`` means."""
+        """Learn from a record; see :meth:`fit`. ``noise`` defines what ``snr_db`` refers to."""
         checked_kind(
             "recorded", recorded, Record, "a record, such as of psp3.fuzzy_control.records.record"
         )
@@ -345,20 +344,20 @@ class FuzzyComputedTorque(Described):
         forces: ArrayLike,
         positive_definite: bool = True,
     ) -> Self:
-        r"""Learn from a motion and the forces that made it: M, C and G need not be known.
+        r"""Learn from a motion and its forces; M, C and G need not be known.
 
-        The consequents of all rules are linear in the forces, and found by ridge least squares
-        (:mod:`psp3.fuzzy_control.force_learning`), whatever ``learner`` is.
+        The forces are linear in the consequents of all rules, which are found by ridge least
+        squares (:mod:`psp3.fuzzy_control.force_learning`), whatever ``learner`` is.
 
         Parameters
         ----------
         positions, speeds, accelerations : (N, n) array_like
             A motion of the motors [m or rad, and per s, s²], as of
             :func:`psp3.identification.excitation.exciting_motion`, of a Fourier series fitted to
-            what was measured, or of :func:`psp3.trajectories.measured_motion`. All N samples are
-            learned from: noise averages out over them.
+            the measurements, or of :func:`psp3.trajectories.measured_motion`. All N samples are
+            used, so noise averages out.
         forces : (N, n) array_like
-            Forces of the motors [N or N m], measured.
+            Measured forces of the motors [N or N m].
         positive_definite : bool
             Whether the M of every rule must be positive definite; then every estimate of M is.
 
@@ -405,12 +404,12 @@ class FuzzyComputedTorque(Described):
         )
 
     def terms_of(self, place: Place) -> int:
-        """Return how many terms every input of a rule base has."""
+        """Return the number of terms of every input of a rule base."""
         checked_kind("place", place, Place, "one of places")
         return rule_bases.terms_of_input(self._options, len(place.columns))[0]
 
     def _take(self, systems: Sequence[FuzzySystem], ranges: Array) -> None:
-        """Be trained: systems of all rule bases, and ranges (2, p) of all inputs."""
+        """Become trained: take the systems of all rule bases and the ranges (2, p) of inputs."""
         table = rule_bases.controller_table(
             *(systems, self.places, self.inputs, ranges, self.joints),
             *((self.kp, self.kv), OUTSIDE.index(self.outside), self.order),
@@ -443,7 +442,7 @@ class FuzzyComputedTorque(Described):
         NotTrained
             If nothing was learned yet.
         InvalidValue
-            If they are not as many fuzzy systems as there are.
+            If their number is not that of the rule bases.
         UnusableEstimate
             If the average mass matrix is not positive definite.
         """
@@ -459,21 +458,21 @@ class FuzzyComputedTorque(Described):
         return other
 
     def _stepped(self, rows: tuple[Array, Array, Array, Array, Array], step: Array) -> int:
-        """Write a step, and return what kernels return of it."""
+        """Write a step, and return the kernel's return value."""
         if self.outside == "clamp":
             return kernels.clamped_step(self._packed, *rows, step)
         return kernels.control_step(self._packed, self._model, *rows, step)
 
     @property
     def system_(self) -> FuzzySystem:
-        """What was learned, where one system is enough.
+        """The learned system, if there is only one.
 
         Raises
         ------
         NotTrained
             If nothing was learned yet.
         InvalidValue
-            If there are several, ``systems_``.
+            If there are several; take ``systems_``.
         """
         self.controller  # noqa: B018 # raises NotTrained
         if len(self.systems_) > 1:
@@ -490,7 +489,7 @@ class FuzzyComputedTorque(Described):
     # Control
 
     def reset(self) -> None:
-        """Forget the last call; what was learned stays."""
+        """Forget the last call; the learned rules stay."""
         self._step = np.full(kernels.step_width(self.joints), np.nan)
 
     @property
@@ -499,7 +498,7 @@ class FuzzyComputedTorque(Described):
         return kernels.step_width(self.joints) - self.joints
 
     def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
-        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        """Return the controller's table for the compiled loop, or None, see :func:`steer`."""
         if type(self) is not FuzzyComputedTorque or widths != Widths.of_motors(self.joints):
             return None
         if self._controller is None:
@@ -509,28 +508,28 @@ class FuzzyComputedTorque(Described):
     def run_table(self, added: Array | None = None) -> kernels.FuzzyRun:
         """Return the trained controller for one loop.
 
-        ``added`` (N, K) is added to its estimates of M, C and G at each sample.
+        ``added`` (N, K) is noise to add to its estimates of M, C and G at each sample.
         """
         nothing = kernels.nothing_added(self.controller.fallback.size)
         model = kernels.NO_MODEL if self.outside == "clamp" else self.robot.compiled_table()
         return kernels.FuzzyRun(self.controller, model, nothing if added is None else added)
 
     def take(self, table: Any, steps: Array) -> dict[str, Array]:
-        """Be as after the last of the steps, and return what is reported of all."""
+        """Take the state after the last step, and return the reports of all steps."""
         self._step = steps[-1].copy() if len(steps) else self._step
         return kernels.reported(steps)
 
     def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
         """Return the crisp torque, of shape (n,) [N or N m].
 
-        Defuzzified first or last, as ``defuzzify`` said.
+        It is defuzzified first or last, as ``defuzzify`` says.
 
         Parameters
         ----------
         t : float
             Time [s]; not used.
         heights, speeds : (n,) array_like
-            Positions [m or rad] and speeds [m/s or rad/s]; of the 3-PSP those of its nuts.
+            Positions [m or rad] and speeds [m/s or rad/s]; for the 3-PSP those of its nuts.
         desired : Motion
             Desired positions, speeds and accelerations, (n,) each.
 
@@ -546,11 +545,11 @@ class FuzzyComputedTorque(Described):
         InvalidArray
             If positions, speeds or the desired motion are not n finite numbers each.
         UnreachablePose
-            If the exact model takes over, and the heights are no pose that the robot can take.
+            If the exact model takes over, and the robot cannot reach a pose of these heights.
         """
         if self._controller is None:
             raise NotTrained(type(self).__name__)
-        # A new array in every call: the torque is a view of it, and stays what it is.
+        # A new array in every call, because the returned torque is a view of it.
         step = np.empty(3 * self.joints + 2)
         checked_kind("desired", desired, Motion, "a Motion, what a trajectory returns at a time")
         rows = (heights, speeds, desired.positions, desired.speeds, desired.accelerations)
@@ -559,8 +558,8 @@ class FuzzyComputedTorque(Described):
         except TypeError:
             done = -1
         if done != 1:
-            # Not contiguous rows of n finite floats: lists will do, and copies of rows that are
-            # read-only; the rest is refused.
+            # The arguments are not contiguous writable rows of n finite floats: lists and read-only
+            # rows are copied, and all else is refused.
             copies: Any = tuple(
                 np.array(one_row(name, row, self.joints))
                 for name, row in zip(_ROWS, rows, strict=True)
@@ -576,7 +575,7 @@ class FuzzyComputedTorque(Described):
     def torque_interval(self) -> Array:
         """Ends of the torque interval of the last call (n, 2) [N or N m].
 
-        The lowest α-plane's for α-planes; (mean, sigma) by the corollary.
+        With α-planes it is that of the lowest plane; with the corollary it is (mean, sigma).
         """
         n = self.joints
         return self._step[n : 3 * n].reshape(2, n).T.copy()
@@ -588,11 +587,11 @@ class FuzzyComputedTorque(Described):
 
     @property
     def fell_back(self) -> bool:
-        """Whether the last estimate was unusable, and the average over the rules took its place."""
+        """Whether the average over the rules replaced the last estimate, which was unusable."""
         return bool(self._step[-1] > 0.0)
 
     def _inputs(self, heights: ArrayLike, speeds: ArrayLike) -> tuple[Array, Array]:
-        """Return the inputs (..., p), as they are looked up, and the speeds (..., n)."""
+        """Return the inputs (..., p) of the rules, clamped if needed, and the speeds (..., n)."""
         if self._controller is None:
             raise NotTrained(type(self).__name__)
         a, v = np.broadcast_arrays(
@@ -602,7 +601,7 @@ class FuzzyComputedTorque(Described):
         return (np.clip(inputs, *self.ranges_) if self.outside == "clamp" else inputs), v
 
     def _numbers(self, inputs: Array, speeds: Array, said: Sequence[Array]) -> Array:
-        """Return what the bases said, (..., m) each, as numbers (..., K), with a derived C."""
+        """Return the outputs of the bases, (..., m) each, as numbers (..., K), with a derived C."""
         leading = said[0].shape[:-1]
         numbers = np.zeros((*leading, self.controller.fallback.size))
         for place, outputs in zip(self.places, said, strict=True):
@@ -624,13 +623,13 @@ class FuzzyComputedTorque(Described):
         Parameters
         ----------
         heights, speeds : (..., n) array_like
-            Positions [m or rad] and speeds [m/s or rad/s]; of the 3-PSP those of its nuts.
+            Positions [m or rad] and speeds [m/s or rad/s]; for the 3-PSP those of its nuts.
 
         Returns
         -------
         M, C, G : (..., n, n), (..., n, n), (..., n) ndarray
-            As the fuzzy systems give them, inputs clamped to the trained range if ``outside`` says
-            so; no fallback.
+            The estimates of the fuzzy systems, without the fallback. Inputs are clamped to the
+            trained range if ``outside`` says so.
 
         Raises
         ------
@@ -652,13 +651,13 @@ class FuzzyComputedTorque(Described):
         Parameters
         ----------
         heights, speeds : (..., n) array_like
-            Positions [m or rad] and speeds [m/s or rad/s]; of the 3-PSP those of its nuts.
+            Positions [m or rad] and speeds [m/s or rad/s]; for the 3-PSP those of its nuts.
 
         Returns
         -------
         M, C, G : IntervalNumber or GaussianNumber
-            Of the shapes of :meth:`estimate`; by α-planes with the planes as a first dimension
-            more, in the order of ``systems_[0].alphas``.
+            Numbers of the shapes of :meth:`estimate`; with α-planes there is an additional first
+            dimension for the planes, in the order of ``systems_[0].alphas``.
 
         Raises
         ------
@@ -701,14 +700,14 @@ class FuzzyComputedTorque(Described):
         Parameters
         ----------
         heights, speeds : (n,) array_like
-            Positions [m or rad] and speeds [m/s or rad/s]; of the 3-PSP those of its nuts.
+            Positions [m or rad] and speeds [m/s or rad/s]; for the 3-PSP those of its nuts.
         desired : Motion
             Desired positions, speeds and accelerations, (n,) each.
 
         Returns
         -------
         IntervalNumber or GaussianNumber
-            Of shape (n,) [N or N m]; by α-planes (L, n), a row for each plane.
+            Numbers of shape (n,) [N or N m]; with α-planes (L, n), a row for each plane.
 
         Raises
         ------
@@ -729,9 +728,9 @@ class FuzzyComputedTorque(Described):
     def defuzzify(self, number: FuzzyNumbers) -> Array:
         r"""Return the crisp torque of a number.
 
-        Its middle or mean. Over α-planes, :math:`\sum_l \alpha_l c_l / \sum_l \alpha_l`, which is
-        what defuzzifying M, C and G first comes to, or with ``defuzzify="last"`` the centroid
-        (eq. 1.68), see ``fuzzy2.reduction.general.cut_centroid``.
+        It is the middle or mean of the number. With α-planes it is :math:`\sum_l \alpha_l c_l /
+        \sum_l \alpha_l`, which equals defuzzifying M, C and G first, or with ``defuzzify="last"``
+        the centroid (eq. 1.68), see ``fuzzy2.reduction.general.cut_centroid``.
 
         Parameters
         ----------
@@ -769,7 +768,7 @@ class FuzzyComputedTorque(Described):
     def save(self, path: str | Path) -> Path:
         """Write the trained controller as JSON.
 
-        The fuzzy systems, gains, ranges and what tells the robot it was trained for.
+        The file holds the fuzzy systems, gains, ranges and the identity of the robot.
 
         Raises
         ------
@@ -789,8 +788,8 @@ class FuzzyComputedTorque(Described):
         path : path
             The file.
         robot : Robot, optional
-            The robot it is meant for; by default the 3-PSP with the parameters in the file, or a
-            robot of the name in it that comes with the package.
+            The robot of the controller. By default it is the 3-PSP with the parameters in the file,
+            or the robot of the package with the name in the file.
 
         Returns
         -------
@@ -799,9 +798,9 @@ class FuzzyComputedTorque(Described):
         Raises
         ------
         InvalidControllerFile
-            If the file is missing, malformed or of another version, or the controller was trained
-            for another robot or other parameters of it, or for other inputs or outputs or in
-            another order.
+            If the file is missing, malformed or of another version, or if the controller was
+            trained for another robot, for other parameters, or for inputs or outputs that differ or
+            are in another order.
         """
         read: FuzzyComputedTorque = controller_files.load(cls, path, robot)
         return read

@@ -1,4 +1,4 @@
-"""Files of trained controllers: JSON, with the robot that they were trained for."""
+"""Files of trained controllers: JSON, with the identity of their robot."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ from psp3.three_psp.parameters import Parameters
 from psp3.three_psp.robot import PSP3
 
 FORMAT = "psp3-fuzzy-computed-torque-1"
-"""Written into every controller file of the 3-PSP; a file with another mark is refused."""
+"""Format mark of controller files of the 3-PSP; a file with another mark is refused."""
 
 FORMAT_OF_ANY = "psp3-fuzzy-computed-torque-2"
-"""Written into those of other robots, whose rule bases are several."""
+"""Format mark for other robots, which have several rule bases."""
 
 KEYS = frozenset(
     {
@@ -36,10 +36,12 @@ KEYS = frozenset(
         *("rules", "coriolis", "system", "systems"),
     }
 )
-"""What either of them may say; another word is a misspelled one, and would be lost."""
+"""Keys of either format. Any other key is refused, because it may be a misspelled one that would be
+ignored."""
 
 SAME_DYNAMICS = 1e-6
-"""Relative difference of M and G at the reference up to which a robot is the one in the file."""
+"""Greatest relative difference of M and G at the reference pose between a robot and the one in the
+file."""
 
 _SYSTEMS = dict(zip(KINDS, (Type1System, IntervalType2System, GeneralType2System), strict=True))
 
@@ -77,7 +79,7 @@ def save(controller: Any, path: str | Path) -> Path:
 
 
 def identity(robot: Any) -> dict[str, Any]:
-    """Return what tells a robot: its name, its joints, and M and G at its reference."""
+    """Return what identifies a robot: its name, its joints, and M and G at its reference pose."""
     reference = np.asarray(robot.reference, dtype=float)
     M, C, G = robot.equation_of_motion(reference, np.zeros_like(reference))
     return {
@@ -143,11 +145,11 @@ def _controller_from(
         mean_variation=checked_not_negative("mean_variation", content["mean_variation"]),
         term_width=content["term_width"],
         outside=content["outside"],
-        # Files of version 1 that lack it are of controllers that knew one order only.
+        # Files of version 1 without this key come from controllers that had only one order.
         defuzzify=content.get("defuzzify", "first"),
         **options,
     )
-    # Null where a controller has chosen by itself: no file that was saved leaves that open.
+    # Null would mean that the controller chooses, but a saved file always holds the choice.
     for option in ("learner", "n_terms"):
         if getattr(controller, option) != content[option]:
             raise InvalidControllerFile(path, f"has {content[option]!r} as {option}")
@@ -168,13 +170,13 @@ def _controller_from(
 
 
 def _three_psp(said: Any, robot: Any, path: str | Path) -> Any:
-    """Return the 3-PSP of a file, or the one that is given if it is the same."""
+    """Return the 3-PSP of a file, or the given one if it is the same."""
     parameters = Parameters(**{name: said[name] for name in Parameters().as_dict() | said})
     if robot is None:
         return load_robot("psp3", parameters=parameters)
     if not isinstance(robot, PSP3):
         raise InvalidControllerFile(
-            path, f"was trained for the 3-PSP robot, and yours is {robot.title}"
+            path, f"was trained for the 3-PSP robot, but yours is {robot.title}"
         )
     if robot.parameters != parameters:
         given = robot.parameters.as_dict()
@@ -186,13 +188,13 @@ def _three_psp(said: Any, robot: Any, path: str | Path) -> Any:
         raise InvalidControllerFile(
             path,
             f"was trained for a robot with {', '.join(other)}; load it without a robot, or train "
-            "anew",
+            "again",
         )
     return robot
 
 
 def _other_robot(said: Any, robot: Any, path: str | Path) -> Any:
-    """Return the robot that a file names, or the one that is given if it is the same."""
+    """Return the robot that a file names, or the given one if it is the same."""
     name = said["name"]
     if robot is None:
         if name not in ROBOTS:
@@ -203,7 +205,7 @@ def _other_robot(said: Any, robot: Any, path: str | Path) -> Any:
     if robot.title != name or list(robot.coordinates) != said["joints"]:
         raise InvalidControllerFile(
             path,
-            f"was trained for {name} with the joints {', '.join(said['joints'])}, and yours is "
+            f"was trained for {name} with the joints {', '.join(said['joints'])}, but yours is "
             f"{robot.title} with {', '.join(robot.coordinates)}",
         )
     own = identity(robot)
@@ -215,7 +217,7 @@ def _other_robot(said: Any, robot: Any, path: str | Path) -> Any:
         allowed = SAME_DYNAMICS * np.abs(found).max(initial=1e-300)
         if found.shape != expected.shape or not (np.abs(found - expected) <= allowed).all():
             raise InvalidControllerFile(
-                path, f"was trained for another {name}: yours {where}; train anew"
+                path, f"was trained for another {name}: yours {where}; train again"
             )
     return robot
 

@@ -1,28 +1,28 @@
-r"""Rules of M, C and G learned from forces, which are measured, where M, C and G are not.
+r"""Learn rules for M, C and G from forces, which can be measured, unlike M, C and G themselves.
 
 The consequents c of all rules minimize
 
 .. math:: \sum_{n, i} \frac{(\tau_{ni} - Y_{ni} c)^2}{\langle \tau_i^2 \rangle}
           + \lambda\, \lVert D\,(c - \bar c) \rVert^2,
 
-with Y of :mod:`psp3.fuzzy_control.force_regressor`. :math:`\bar c` is what is nearest to the forces
-with the same M and C in every rule, and a G of its own: what no sample says about a rule's M and C
-is taken from all. D makes changes of M, C and G count by the forces that they make on average, and
-:math:`\lambda` is chosen by generalized cross-validation
+with Y from :mod:`psp3.fuzzy_control.force_regressor`. :math:`\bar c` is the best fit to the forces
+with one M and C for all rules and a separate G for each. If no sample determines the M and C of a
+rule, the rule takes those of :math:`\bar c`. D weights changes of M, C and G by their average
+forces, and :math:`\lambda` is chosen by generalized cross-validation
 (:mod:`fuzzy2.learning.cross_validation`).
 
-Of a long motion Y and the forces are reduced to a triangular factor, block of samples after block,
-which has the same minimum: all samples count, and none has to be kept.
+For a long motion, Y and the forces are reduced block by block to a triangular factor, which has the
+same minimum. So all samples count, and none must be kept.
 
-**Positive definite M.** A fuzzy average of positive definite matrices is positive definite, of any
-type, so that M is where the M of every rule is. Then the minimum is that over consequents with
-:math:`M_r \succeq \mu I`, :math:`\mu` a share of the least eigenvalue of the one model's M: a
-convex problem, which the alternating direction method of multipliers solves (S. Boyd, N. Parikh, E.
-Chu, B. Peleato and J. Eckstein, "Distributed optimization and statistical learning via the
-alternating direction method of multipliers", Foundations and Trends in Machine Learning 3(1),
-2011). Only the
-average over the rules is sure to be positive definite else, and where an estimate is not, that
-takes its place.
+**Positive definite M.** For every type of fuzzy system, a fuzzy average of positive definite
+matrices is positive definite, so M is positive definite if the M of every rule is. This can be
+required: the minimum is then over consequents with :math:`M_r \succeq \mu I`, where :math:`\mu` is
+a share of the least eigenvalue of the M of :math:`\bar c`. This problem is convex, and the
+alternating direction method of multipliers solves it (S. Boyd, N. Parikh, E. Chu, B. Peleato and J.
+Eckstein, "Distributed optimization and statistical learning via the alternating direction method of
+multipliers", Foundations and Trends in Machine Learning 3(1), 2011). Without the requirement only
+the average over the rules is certain to be positive definite, and it replaces an estimate that is
+not.
 """
 
 from __future__ import annotations
@@ -38,24 +38,24 @@ from psp3.errors import UnusableEstimate
 from psp3.fuzzy_control import force_regressor as regressor
 
 BLOCK = 1024
-"""Samples that are added to the triangular factor at a time."""
+"""Number of samples that are added to the triangular factor at a time."""
 
 LEAST_SHARE = 0.05
-"""Least eigenvalue of a rule's M, as a share of that of the one model of all rules."""
+"""Least eigenvalue of a rule's M, as a share of that of the common M of all rules."""
 
 ITERATIONS = 5000
-"""Most iterations of the constrained problem; some hundred are the rule."""
+"""Most iterations of the constrained problem; a few hundred are typical."""
 
 TOLERANCE = 1e-9
-"""Change and violation, relative to the consequents, at which the constrained problem is solved."""
+"""The constrained problem is solved at this change and violation, relative to the consequents."""
 
 
 class Samples(NamedTuple):
-    """What forces are learned from, sample by sample.
+    """The data that rules are learned from, sample by sample.
 
     ``speeds``, ``accelerations`` and ``forces`` (N, n); basis functions ``of_mass`` (N, R) of the
     rules for M and G and ``of_coriolis`` (N, S) of those for C, or None; ``slopes`` (N, R, n) of
-    the first along the positions where C is the derivative of M, else None.
+    the first along the positions if C is the derivative of M, otherwise None.
     """
 
     speeds: Array
@@ -67,7 +67,7 @@ class Samples(NamedTuple):
 
 
 class Consequents(NamedTuple):
-    """What rules say: upper triangles of M (R, n (n + 1) / 2), G (R, n), and C (S, n²) or None."""
+    """The rules' upper triangles of M (R, n (n + 1) / 2), G (R, n), and C (S, n²) or None."""
 
     mass: Array
     gravity: Array
@@ -92,7 +92,8 @@ def learn_consequents(samples: Samples, positive_definite: bool) -> Consequents:
     Raises
     ------
     UnusableEstimate
-        If M is to be positive definite, and that of the one model of all rules is not.
+        If a positive definite M is required, and the common M of all rules is not positive
+        definite.
     """
     count, n = samples.forces.size, samples.forces.shape[1]
     design, targets, shapes = _reduced(samples)
@@ -123,9 +124,9 @@ def learn_consequents(samples: Samples, positive_definite: bool) -> Consequents:
 
 
 def _told_apart(samples: Samples) -> float:
-    """Return the share of the accelerations that is no function of the positions.
+    """Return the part of the accelerations that is not a function of the positions.
 
-    As far as rules for G can tell: what is left of them by least squares on the basis functions.
+    It is the residual of least squares on the basis functions, so rules for G cannot explain it.
     """
     w = samples.accelerations
     left = w - samples.of_mass @ np.linalg.lstsq(samples.of_mass, w, rcond=None)[0]
@@ -161,17 +162,17 @@ def _reduced(samples: Samples) -> tuple[Array, Array, list[tuple[int, ...]]]:
 def _one_model(
     blocks: Sequence[Array], targets: Array, count: int, joints: int
 ) -> tuple[list[Array], list[Array]]:
-    """Return consequents (rules, numbers) of each block with one M and C, and numbers' scales.
+    """Return the consequents (rules, numbers) of each block with common M and C, and scales.
 
-    A change of M, C or G counts by the root mean square of the force that it makes.
+    The scale of a change of M, C or G is the root mean square of its force.
     """
     scales, parts = [], []
     for place, block in enumerate(blocks):
         columns = block.sum(axis=1)
-        # Off-diagonal entries of M stand for two.
+        # Off-diagonal entries of M occur twice in the matrix.
         twice = _twice(joints) if place == 0 else np.ones(columns.shape[1])
         scales.append((np.sqrt((columns**2).sum() / (count * columns.shape[1])) or 1.0) * twice)
-        # G changes with the pose where M and C hardly do, so that each rule has one of its own.
+        # G varies more with the pose than M and C, so each rule has its own G.
         own = [columns, block.reshape(len(targets), -1)] if place == 1 else [columns]
         both = np.concatenate(own, axis=1)
         parts.append(both / np.resize(scales[-1], both.shape[1]))
@@ -181,14 +182,14 @@ def _one_model(
     for part, scale, block in zip(np.split(found, ends[:-1]), scales, blocks, strict=True):
         consequents = part.reshape(-1, len(scale)) / scale
         if len(consequents) > 1:
-            # What all rules say of G, and by how much each differs.
+            # The mean G of all rules, and the difference of each rule.
             consequents = consequents[0] + consequents[1:]
         one.append(np.broadcast_to(consequents, block.shape[1:]))
     return one, scales
 
 
 def _twice(joints: int) -> Array:
-    """Return √2 for the off-diagonal entries of an upper triangle, else 1."""
+    """Return √2 for the off-diagonal entries of an upper triangle, and 1 for the diagonal."""
     first, second = np.triu_indices(joints)
     return np.where(first == second, 1.0, np.sqrt(2.0))
 
@@ -209,7 +210,7 @@ def _within(
     mass = unconstrained[:count].reshape(shape)
     if np.linalg.eigvalsh(_matrices(mass, joints)).min() >= least:
         return unconstrained
-    # In scaled changes from the one model distances of M's are those of their entries, all of them.
+    # With these scaled changes, the distance of two M's is that over all entries of the matrices.
     gram = design.T @ design
     values, vectors = np.linalg.eigh(gram + ridge * np.eye(len(prior)))
     right, penalty = design.T @ targets, float(np.sqrt(values[0] * values[-1]))

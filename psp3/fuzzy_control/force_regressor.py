@@ -1,4 +1,4 @@
-r"""The forces of a motion, linear in what the rules say of M, C and G.
+r"""The forces of a motion as a linear function of the rules' consequents for M, C and G.
 
 At a state each rule base weights its rules with basis functions :math:`\phi_r` that add up to 1,
 and
@@ -6,14 +6,15 @@ and
 .. math:: \tau = \sum_r \phi_r \left(M_r \ddot a + C_r \dot a + G_r\right)
           = Y(a, \dot a, \ddot a)\, c,
 
-with the consequents c of all rules: M symmetric, its upper triangle in c. Where C is the derivative
-of M (:mod:`psp3.fuzzy_control.christoffel_kernels`), it has no consequents of its own, and
+with the consequents c of all rules. M is symmetric, and c contains its upper triangle. If C is the
+derivative of M (:mod:`psp3.fuzzy_control.christoffel_kernels`), it has no consequents of its own,
+and
 
 .. math:: C \dot a = \sum_r \Big( (\nabla \phi_r \cdot \dot a)\, M_r \dot a
           - \tfrac12 \nabla \phi_r\; \dot a^T M_r \dot a \Big).
 
-Adaptive control (:mod:`psp3.fuzzy_control.slotine_li`) multiplies C with other speeds v than those
-that it depends on,
+Adaptive control (:mod:`psp3.fuzzy_control.slotine_li`) multiplies C with speeds v that differ from
+the speeds C depends on,
 
 .. math:: C v = \tfrac12 \sum_r \Big( (\nabla \phi_r \cdot \dot a)\, M_r v
           + (\nabla \phi_r \cdot v)\, M_r \dot a - \nabla \phi_r\; \dot a^T M_r v \Big).
@@ -50,11 +51,11 @@ def gravity_columns(phi: Array, joints: int) -> Array:
 def derived_coriolis_columns(
     slopes: Array, speeds: Array, multiplied: Array | None = None
 ) -> Array:
-    """Return what M's consequents add to the forces by the C that is derived from M.
+    """Return the forces of the C that is derived from M, as columns of M's consequents.
 
     ``slopes`` (N, R, n) are those of the basis functions along the positions, and ``multiplied``
-    (N, n) what C is multiplied with, the speeds unless given; the columns are those of M,
-    (N, n, R, n (n + 1) / 2).
+    (N, n) is the vector that C multiplies, by default the speeds; the columns are those of M, (N,
+    n, R, n (n + 1) / 2).
     """
     n = speeds.shape[1]
     others = speeds if multiplied is None else multiplied

@@ -1,7 +1,7 @@
 """Compiled control steps of the fuzzy computed-torque controller, of any robot.
 
 M, C and G of n joints are one row of numbers: the upper triangle of M, C and G, see
-:mod:`psp3.fuzzy_control.numbers`. One or several rule bases say them.
+:mod:`psp3.fuzzy_control.numbers`. One or several rule bases estimate them.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ from psp3.dynamics.compiled_robot import write_forces
 from psp3.fuzzy_control.christoffel_kernels import christoffel_room, write_christoffel
 
 INTERVAL, PLANES, COROLLARY, CENTROID = range(4)
-"""Fuzzy controllers by what their estimates are: intervals, α-planes whose middles are weighted
-before the torque is computed, Gaussian numbers, and α-planes that are carried on to the torque,
-whose centroid is taken.
+"""Kinds of fuzzy controllers. Their estimates are intervals, α-planes whose middles are averaged
+before the torque is computed, Gaussian numbers, or α-planes that are kept up to the torque, which
+is defuzzified with its centroid.
 """
 
 CLAMP, CRISP = range(2)
 
 
 def step_width(joints: int) -> int:
-    """Return how many numbers ``fuzzy_torque`` writes of n joints.
+    """Return how many numbers ``fuzzy_torque`` writes for n joints.
 
     They are torque (n), left or mean (n), right or standard deviation (n), covered, fell back.
     """
@@ -38,12 +38,12 @@ def step_width(joints: int) -> int:
 
 
 def nothing_added(numbers: int) -> Array:
-    """Return what is added to estimates of so many numbers where nothing is."""
+    """Return the empty array that stands for no addition to estimates."""
     return np.empty((0, numbers))
 
 
 def reported(steps: Array) -> dict[str, Any]:
-    """Return what results report of steps (N, 3n + 2), by its name."""
+    """Return the reports of results, by name, from the numbers of steps (N, 3n + 2)."""
     n = (steps.shape[1] - 2) // 3
     return {
         "covered": steps[:, 3 * n] > 0.0,
@@ -53,7 +53,7 @@ def reported(steps: Array) -> dict[str, Any]:
 
 
 class NoModel(NamedTuple):
-    """In place of a robot's table, of a controller that never asks for the exact forces."""
+    """Placeholder for a robot's table, for a controller that never uses the exact forces."""
 
     nothing: float
 
@@ -73,16 +73,15 @@ class Fuzzy(NamedTuple):
 
     ``kind`` see above; gains ``kp`` and ``kv``; what to do ``outside``, ``CLAMP`` or ``CRISP``;
     whether grades are multiplied, 1 or 0; ``ranges`` (2, p) lower and upper ends of the trained
-    inputs; ``fallback`` (K,) numbers used where an estimate cannot be; ``planes`` (2, L) levels
+    inputs; ``fallback`` (K,) numbers that replace an unusable estimate; ``planes`` (2, L) levels
     and widths, see ``fuzzy2.systems.kernels.evaluate_planes``; ``system`` the fuzzy systems of all
     rule bases one after the other, see ``fuzzy2.systems.kernels``; ``moments`` middles and spreads
-    (2, R, m) of each, flat, of that kind only, see
-    ``fuzzy2.systems.corollary_kernels.evaluate_corollary``. ``inputs`` (2, p) are the places of
-    each input in positions and speeds, and of what is subtracted, or -1. ``bases`` is the number of
-    rule bases, and of each ``BASE`` numbers, see ``base_row``, the places of its inputs among all
-    and those of its outputs among the numbers.
-    ``derived`` is what C is found from as M's derivative, see
-    :mod:`psp3.fuzzy_control.christoffel_kernels`, or empty.
+    (2, R, m) of each, flat, for Gaussian numbers only, see
+    ``fuzzy2.systems.corollary_kernels.evaluate_corollary``. ``inputs`` (2, p) are the indices of
+    each input in positions and speeds, and of the subtracted one, or -1. ``bases`` holds the number
+    of rule bases. For each base it has ``BASE`` numbers, see ``base_row``, the indices of its
+    inputs among all and those of its outputs among the numbers. ``derived`` holds the data that C
+    is computed from as M's derivative, see :mod:`psp3.fuzzy_control.christoffel_kernels`, or empty.
     """
 
     kind: int
@@ -101,19 +100,19 @@ class Fuzzy(NamedTuple):
 
 
 BASE = 6
-"""Numbers with which a rule base begins: start and size of its system, start of its moments, its
-rules, inputs and outputs.
+"""Length of the head of a rule base: start and size of its system, start of its moments, and the
+numbers of its rules, inputs and outputs.
 """
 
 HEADER = 11
-"""Numbers with which a packed controller begins: its scalars, then the sizes of its arrays."""
+"""Length of the head of a packed controller: its scalars, then the sizes of its arrays."""
 
 
 def packed(controller: Fuzzy) -> Array:
     """Return a controller as one array.
 
-    Python hands over one array in less than a third of the time that five take, which single steps
-    would feel; ``_unpacked`` reads it.
+    Passing one array from Python takes less than a third of the time of five arrays, which matters
+    for single steps. ``_unpacked`` reads it.
     """
     scalars, arrays = controller[:5], controller[5:]
     sizes = [controller.inputs.shape[1], controller.fallback.size, controller.planes.shape[1]]
@@ -125,7 +124,7 @@ def packed(controller: Fuzzy) -> Array:
 
 @compiled
 def _unpacked(array: Array) -> Fuzzy:
-    """Return the controller that ``packed`` made one array of; its arrays are views."""
+    """Return the controller from the array that ``packed`` made; its arrays are views."""
     inputs, levels = int(array[5]), int(array[7])
     ranges = HEADER
     fallback = ranges + 2 * inputs
@@ -153,10 +152,10 @@ def _unpacked(array: Array) -> Fuzzy:
 
 
 class FuzzyRun(NamedTuple):
-    """A trained controller in a loop: with the ``model`` that takes over where it is ``CRISP``.
+    """A trained controller in a loop, with the ``model`` that takes over if it is ``CRISP``.
 
-    It is a robot's table, or ``NO_MODEL``. ``added`` (N, K) is added to the estimates at each
-    sample, or (0, K).
+    The model is a robot's table, or ``NO_MODEL``. ``added`` (N, K), or (0, K) for nothing, is added
+    to the estimates at each sample.
     """
 
     controller: Fuzzy
@@ -168,8 +167,8 @@ class FuzzyRun(NamedTuple):
 def is_positive_definite(m, n, room):
     """Whether M (n, n), given by its upper triangle, is positive definite.
 
-    By the pivots of elimination, in ``room`` for as many numbers as M has; none is positive where a
-    number is not finite.
+    The test is on the pivots of elimination, with scratch space ``room`` of the size of M. A number
+    that is not finite fails it, too.
     """
     for place in range(n * (n + 1) // 2):
         room[place] = m[place]
@@ -191,9 +190,9 @@ def is_positive_definite(m, n, room):
 
 @scalar
 def write_inputs(places, ranges, clamp, positions, speeds, x):
-    """Write the inputs, put into the trained ranges where they are to be clamped.
+    """Write the inputs, clamped to the trained ranges if the controller does so.
 
-    Return whether they were there.
+    Return whether they were within the ranges.
     """
     n, covered = positions.size, True
     for i in range(x.size):
@@ -211,12 +210,12 @@ def write_inputs(places, ranges, clamp, positions, speeds, x):
 
 
 class Estimate(NamedTuple):
-    """What the rules say of K numbers, in a step.
+    """The rules' estimate of K numbers in a step.
 
     ``crisp`` (K,) values, ``middle`` (K,) and half-widths ``spread`` (K,), or means and standard
     deviations; ``numbers`` as they are estimated: ends of the intervals, plane by plane, or means
-    and standard deviations; ``said`` and ``asked`` are what one rule base says, and of what;
-    ``room`` is what else a rule base needs.
+    and standard deviations; ``said`` and ``asked`` are outputs and inputs of one rule base;
+    ``room`` is its scratch space.
     """
 
     crisp: Array
@@ -230,7 +229,7 @@ class Estimate(NamedTuple):
 
 @scalar
 def _step_room(controller, n):
-    """Return how much memory a step takes, in which nothing is made anew."""
+    """Return the size of a step's scratch array; a step allocates no memory."""
     count, inputs = controller.fallback.size, controller.inputs.shape[1]
     planes = max(controller.planes.shape[1], 1)
     bases, o, most = controller.bases, 1, n * (n + 1) // 2
@@ -294,7 +293,8 @@ def _estimate_of_base(controller, o, x, estimate):
         total += controller.planes[0, plane]
     for k in range(outputs):
         j = int(bases[places + k])
-        # What is shown of a general type-2 estimate is its lowest plane, the first.
+        # The interval that is shown of a general type-2 estimate is that of its lowest plane, the
+        # first.
         left, right = said[2 * k], said[2 * k + 1]
         crisp[j] = middle[j] = 0.5 * (left + right)
         spread[j] = 0.5 * (right - left)
@@ -312,7 +312,7 @@ def _estimate_of_base(controller, o, x, estimate):
 
 @scalar
 def _estimate(controller, x, speeds, estimate):
-    """Write M, C and G estimated at the inputs."""
+    """Write the estimates of M, C and G at the inputs."""
     bases, o = controller.bases, 1
     for _ in range(int(bases[0])):
         _estimate_of_base(controller, o, x, estimate)
@@ -333,7 +333,7 @@ def _estimate(controller, x, speeds, estimate):
 
 @scalar
 def apply_model(m, servo, speeds, out, o):
-    """Write the force M servo + C speeds + G of the numbers of n joints."""
+    """Write the force M servo + C speeds + G from the numbers of n joints."""
     n = servo.size
     coriolis = n * (n + 1) // 2
     gravity = coriolis + n * n
@@ -351,9 +351,9 @@ def apply_model(m, servo, speeds, out, o):
 
 @scalar
 def width_of_force(spread, servo, speeds, i, squares):
-    """Spread of entry i of M servo + C speeds + G.
+    """Return the spread of entry i of M servo + C speeds + G.
 
-    Spreads add up (Theorem 1.4), or their squares (1.5, product grades).
+    Spreads add up (Theorem 1.4), or their squares do (Theorem 1.5, product grades).
     """
     n = servo.size
     coriolis = n * (n + 1) // 2
@@ -390,7 +390,7 @@ def _centroid_of_force(controller, ends, added, servo, speeds, room, out):
         for i in range(n):
             widths[n * plane + i] = width_of_force(spread, servo, speeds, i, False)
     for i in range(n):
-        # About the middle of the lowest cut, so that a force far from zero keeps its digits.
+        # Relative to the middle of the lowest cut, so a large force keeps its digits.
         origin, area, moment = centers[i], controller.planes[0, 0] * widths[i], 0.0
         for plane in range(1, planes):
             o, step = n * plane + i, controller.planes[0, plane] - controller.planes[0, plane - 1]
@@ -402,7 +402,7 @@ def _centroid_of_force(controller, ends, added, servo, speeds, room, out):
 
 @scalar
 def write_servo(controller, positions, speeds, desired, servo):
-    """Write the acceleration that the servo asks for.
+    """Write the servo's acceleration command.
 
     ``desired`` holds positions, speeds and accelerations.
     """
@@ -417,7 +417,7 @@ def write_servo(controller, positions, speeds, desired, servo):
 
 @scalar
 def _usable(controller, x, speeds, added, estimate):
-    """Write what the rules estimate; return whether it can be used."""
+    """Write the rules' estimate; return whether it is usable."""
     crisp, middle, spread = estimate.crisp, estimate.middle, estimate.spread
     total, count = 0.0, crisp.size
     for i in range(x.size):
@@ -439,7 +439,7 @@ def _usable(controller, x, speeds, added, estimate):
 
 @compiled
 def _exact_torque(model, positions, speeds, servo, added, out):
-    """Write a step of the exact forces, where they take over; NaN where there are none."""
+    """Write a step of the exact forces, which take over; NaN if there are none."""
     n = servo.size
     force = out[:n]
     if not write_forces(model, positions, speeds, servo, force):
@@ -452,10 +452,10 @@ def _exact_torque(model, positions, speeds, servo, added, out):
 
 @scalar
 def _learned_step(controller, positions, speeds, desired, added, work, out):
-    """Write a step of the estimated forces, but where the exact ones take over.
+    """Write a step of the estimated forces, unless the exact ones take over.
 
-    Return whether the torque is finite, 1 or 0, or -1 where the exact forces take over: only what
-    the servo asks for is written then, the first n numbers of ``work``.
+    Return whether the torque is finite, 1 or 0, or -1 if the exact forces take over: then only the
+    servo's command is written, the first n numbers of ``work``.
     """
     n, inputs = positions.size, controller.inputs.shape[1]
     servo, x = work[:n], work[n : n + inputs]
@@ -534,7 +534,7 @@ def control_step(
 ) -> int:
     """Do as ``fuzzy_torque`` for a packed controller and rows that come one by one.
 
-    Return 1, 0 where the torque is not finite, or -1 for a row that is not of n.
+    Return 1, 0 if the torque is not finite, or -1 if a row does not have n numbers.
     """
     n = (out.size - 2) // 3
     if not (
@@ -567,7 +567,7 @@ def clamped_step(
     desired_accelerations: Array,
     out: Array,
 ) -> int:
-    """Do as ``control_step`` without a model; to hand over a table takes as long as five rows."""
+    """Do as ``control_step`` without a model; passing a table takes as long as five rows."""
     done: int = control_step(
         controller,
         NO_MODEL,
@@ -594,7 +594,7 @@ def run_step(
 ) -> bool:
     """Do as ``fuzzy_torque`` in a loop."""
     count, width = run.added.shape
-    # A part of one row, whether there are rows or not.
+    # A slice of one row, which is empty if there are no rows.
     width = width if count > 0 else 0
     added = run.added.reshape(run.added.size)[sample * width : sample * width + width]
     done: bool = fuzzy_torque(run.controller, run.model, positions, speeds, desired, added, out)

@@ -1,15 +1,15 @@
 r"""The torque interval as a monitor.
 
-An alarm when it is wider than it was where the rules were learned.
+It raises an alarm if the interval is wider than under the conditions of training.
 
-A type-2 controller says with every torque between which ends its rules leave it
-(:attr:`psp3.FuzzyComputedTorque.torque_interval`). The monitor learns from runs under known
-conditions how wide that interval is, low-pass filtered, and raises an alarm when it is wider than
-all but a stated share of them. How well this detects what it is meant to detect is measured in
-:mod:`psp3.study.detection`, beside other signals that the same monitor can watch.
+With every torque a type-2 controller also gives an interval, between whose ends its rules place the
+torque (:attr:`psp3.FuzzyComputedTorque.torque_interval`). From runs under known conditions the
+monitor learns the low-pass filtered width of this interval. It raises an alarm when the width
+exceeds all but a given share of the learned widths. :mod:`psp3.study.detection` measures how well
+this works, and compares it with other signals that the same monitor can watch.
 
-The interval is how far the rules disagree, and holds few of the torques that are right;
-:class:`psp3.ConformalIntervals` makes intervals of it that hold a stated share.
+The interval shows how far the rules disagree, and contains only few of the correct torques;
+:class:`psp3.ConformalIntervals` turns it into intervals that contain a given share.
 """
 
 from __future__ import annotations
@@ -56,17 +56,17 @@ def torque_width(interval: ArrayLike) -> Array:
 
 
 class Monitor(Described):
-    r"""An alarm on a signal that exceeds its level in normal operation.
+    r"""An alarm for a signal that exceeds its level in normal operation.
 
-    The signal s passes a first-order low-pass filter, :math:`T \dot y = s - y`. The alarm comes on
-    where y exceeds the threshold that was learned, and goes off where y falls below the threshold
-    less a share of it, so that it does not switch rapidly.
+    The signal s passes a first-order low-pass filter, :math:`T \dot y = s - y`. The alarm goes on
+    when y exceeds the learned threshold, and off when y falls below the threshold by a share of it.
+    This hysteresis prevents rapid switching.
 
     Parameters
     ----------
     quantile : float
-        Share of the samples of y in training that stay at or below the threshold, in (0, 1]; 1 for
-        the greatest of all.
+        Share of the training samples of y at or below the threshold, in (0, 1]; 1 makes the
+        greatest sample the threshold.
     hysteresis : float
         Share of the threshold by which y must fall below it for the alarm to go off, in [0, 1).
     time_constant : float
@@ -75,12 +75,12 @@ class Monitor(Described):
     Attributes
     ----------
     threshold_ : float
-        What was learned, in the unit of the signal.
+        Learned threshold, in the unit of the signal.
 
     Raises
     ------
     InvalidValue
-        If a parameter is outside of what it can be.
+        If a parameter is out of range.
     """
 
     threshold_: float
@@ -106,14 +106,14 @@ class Monitor(Described):
         }
 
     def reset(self) -> None:
-        """Forget the signal so far; what was learned stays.
+        """Forget the signal so far; the threshold stays.
 
-        The filter starts from the first value that comes.
+        The filter starts again from the next value.
         """
         self._level, self._time, self._alarm = math.nan, math.nan, False
 
     def filtered(self, t: ArrayLike, signal: ArrayLike) -> Array:
-        """Return a whole signal after the filter, started anew.
+        """Return a whole signal after the filter, which starts at the first value.
 
         Parameters
         ----------
@@ -154,7 +154,7 @@ class Monitor(Described):
         return np.array(levels)
 
     def learn(self, runs: Iterable[tuple[ArrayLike, ArrayLike]]) -> Self:
-        """Learn the threshold from runs in which everything was well.
+        """Learn the threshold from runs in normal operation.
 
         Parameters
         ----------
@@ -187,7 +187,7 @@ class Monitor(Described):
         return self
 
     def update(self, t: float, value: float) -> bool:
-        """Go on to a value, and return whether there is an alarm.
+        """Take the next value, and return whether there is an alarm.
 
         Parameters
         ----------
@@ -230,7 +230,7 @@ class Monitor(Described):
         return self._alarm
 
     def watch(self, t: ArrayLike, signal: ArrayLike) -> NDArray[np.bool_]:
-        """Return where there would have been an alarm in a run that is over, (N,).
+        """Return at which samples of a recorded run there would have been an alarm, (N,).
 
         See :meth:`filtered` for its arguments.
 
@@ -243,8 +243,8 @@ class Monitor(Described):
         """
         threshold = self._threshold()
         levels = self.filtered(t, signal)
-        # On above the threshold, off below the lower one, and in between what was last: the last
-        # sample that decided.
+        # On above the threshold, off below the lower one. In between the last sample that was above
+        # or below decides.
         decided = (levels > threshold) | (levels <= self._lower(threshold))
         last = np.maximum.accumulate(np.where(decided, np.arange(len(levels)), -1))
         return np.asarray((last >= 0) & (levels[last] > threshold))

@@ -1,7 +1,7 @@
 r"""M, C and G of n joints as one row of numbers.
 
 M is symmetric, so :math:`K = \tfrac12 n (n + 1) + n^2 + n` numbers hold all of them: the upper
-triangle of M, row by row, then C, then G; eighteen of the 3-PSP.
+triangle of M, row by row, then C, then G; the 3-PSP has eighteen.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from psp3.checks import Array, Indices
 
 
 def count_of_numbers(joints: int) -> int:
-    """Return how many numbers M, C and G of n joints are."""
+    """Return the count of numbers in M, C and G of n joints."""
     return joints * (joints + 1) // 2 + joints**2 + joints
 
 
 def joints_of(numbers: int) -> int:
-    """Return the joints n of which M, C and G are so many numbers."""
+    """Return the number of joints n from the count of numbers in M, C and G."""
     return (math.isqrt(9 + 24 * numbers) - 3) // 6
 
 
@@ -35,7 +35,7 @@ def output_names(joints: int) -> tuple[str, ...]:
 
 
 def places_of(entries: str, joints: int) -> Indices:
-    """Return the places of some of the numbers, of those whose names begin with M, C or G."""
+    """Return the indices of the numbers whose names begin with M, C or G."""
     names = output_names(joints)
     return np.array([k for k, name in enumerate(names) if name[0] in entries], dtype=np.int64)
 
@@ -48,7 +48,7 @@ def pack(M: Array, C: Array, G: Array) -> Array:
 
 
 def unpack(numbers: Array) -> tuple[Array, Array, Array]:
-    """Return M (..., n, n), C (..., n, n) and G (..., n) of numbers (..., K).
+    """Return M (..., n, n), C (..., n, n) and G (..., n) from numbers (..., K).
 
     M is symmetric.
     """

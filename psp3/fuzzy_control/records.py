@@ -1,6 +1,6 @@
 r"""Records of the crisp computed-torque controller on a trajectory.
 
-What the fuzzy estimators of chapter 5 learn from.
+The fuzzy estimators of chapter 5 learn from these records.
 
 M, C and G are functions of positions and speeds. Those of the 3-PSP do not change when all nuts
 rise together, so they are functions of four differences (Table 5.2),
@@ -8,7 +8,7 @@ rise together, so they are functions of four differences (Table 5.2),
 .. math:: x = (\Delta q_{12}, \Delta q_{13}, \Delta\dot q_{12}, \Delta\dot q_{13}), \qquad
           \Delta q_{1k} = a_1 - a_k,
 
-and of these alone. What the inputs of a robot are it says itself, ``robot.learning_inputs``.
+and of these alone. For any robot, ``robot.learning_inputs`` gives the inputs.
 """
 
 from __future__ import annotations
@@ -47,21 +47,20 @@ OUTPUT_NAMES = output_names(3)
 """
 
 REFERENCES = ("mean-square", "variance", "unit")
-"""What a signal-to-noise ratio is taken against: the mean square of a signal, its mean included,
-its variance, or 1 in the unit of the signal (0 dBW), whatever the signal.
+"""Powers that a signal-to-noise ratio can refer to: the mean square of a signal, mean included, its
+variance, or 1 in the unit of the signal (0 dBW).
 """
 
 ENTRIES = ("all", "gravity", "mass-coriolis")
-"""Which outputs of a record noise is added to: all, G alone, or M and C alone."""
+"""Choices of the noisy outputs of a record: all, G alone, or M and C alone."""
 
 STILL = 1e-9
-"""Range of an input below which it counts as not changing at all [m, m/s]: what is left is
-rounding.
+"""An input whose range is below this counts as constant, because the rest is rounding [m, m/s].
 """
 
 
 def learning_inputs(robot: Robot) -> LearningInputs:
-    """Return what a robot says that its dynamics depend on, or positions and speeds.
+    """Return the inputs that a robot declares for its dynamics, or else positions and speeds.
 
     Raises
     ------
@@ -73,8 +72,8 @@ def learning_inputs(robot: Robot) -> LearningInputs:
         raise InvalidValue(
             "robot",
             named,
-            "one whose coordinates are those of its motors; of others forces along the "
-            "coordinates are not those that motors are told",
+            "a robot whose coordinates are its motors; for others the forces along the "
+            "coordinates are not those of the motors",
         )
     given: LearningInputs | None = getattr(robot, "learning_inputs", None)
     return positions_and_speeds(robot.coordinates) if given is None else given
@@ -111,11 +110,11 @@ class Record(Described):
     t : (N,) ndarray
         Times [s].
     positions, speeds : (N, n) ndarray
-        Positions [m or rad] and speeds [m/s or rad/s]; of the 3-PSP those of its nuts.
+        Positions [m or rad] and speeds [m/s or rad/s]; for the 3-PSP those of its nuts.
     inputs : (N, p) ndarray
-        What the robot's dynamics depend on, on the way; of the 3-PSP four differences.
+        Inputs of the robot's dynamics along the run; for the 3-PSP four differences.
     outputs : (N, K) ndarray
-        Exact M, C and G on the way, in the order of :func:`psp3.fuzzy_control.numbers.pack`.
+        Exact M, C and G along the run, in the order of :func:`psp3.fuzzy_control.numbers.pack`.
     input_names, output_names : tuple of str
         Names of the columns; by default those of the 3-PSP.
     """
@@ -141,23 +140,23 @@ class Record(Described):
 
     @property
     def heights(self) -> Array:
-        """Positions, of the 3-PSP nut heights, (N, n) [m]."""
+        """Positions, which are nut heights for the 3-PSP, (N, n) [m]."""
         return self.positions
 
     @property
     def rms(self) -> Array:
         """Root mean square of every output over the run, mean included, (K,).
 
-        The amplitude of the signal that noise is set against.
+        It is the amplitude of the signal that the noise is scaled by.
         """
         return NOISE_OF_THE_STUDY.amplitudes(self.outputs)
 
     def sample(self, count: int) -> NDArray[np.intp]:
         """Return the indices of samples that cover the recorded inputs evenly.
 
-        Each next sample is the recorded point that is farthest from all samples taken before,
-        distances measured in shares of the inputs' ranges; the first is the point farthest from the
-        middle of the ranges. So every prefix covers the whole record.
+        Each next sample is the recorded point that is farthest from all samples taken before, with
+        distances in shares of the inputs' ranges. The first is the point farthest from the middle
+        of the ranges. So every prefix of this order covers the whole record.
 
         Parameters
         ----------
@@ -185,7 +184,7 @@ class Record(Described):
                 f"a whole number from 2 to {len(self.t)}, the length of the record",
             )
         if count not in self._chosen:
-            # A study learns from the same samples again and again, with other noise on them.
+            # Cached, because a study learns many times from the same samples with different noise.
             self._chosen[count] = self._spread_evenly(count)
         return self._chosen[count].copy()
 
@@ -198,7 +197,7 @@ class Record(Described):
 def ranges_of_moving(inputs: Array, names: Sequence[str], what: str = "trajectory") -> Array:
     """Return the ranges (p,) of inputs (N, p), or raise :class:`InvalidValue` if one is still.
 
-    The error names ``what`` they are of.
+    The error names ``what`` the inputs belong to.
     """
     span: Array = np.ptp(inputs, axis=0)
     if not (span > STILL).all():
@@ -219,13 +218,14 @@ class RecordNoise:
 
     .. math:: y_t = x_t + \sqrt{P\,10^{-S/10}}\;\varepsilon_t, \qquad \varepsilon_t \sim N(0, 1)
 
-    signal by signal. The thesis defines neither the power P nor which signals x are noisy, and the
-    answer to its question depends on both.
+    for each signal. The thesis defines neither the power P nor which signals x are noisy, and both
+    decide whether type-2 is better.
 
     Parameters
     ----------
     reference : str
-        P, one of ``REFERENCES``: the mean square of x over the whole record, its variance, or 1.
+        Definition of P, one of ``REFERENCES``: the mean square of x over the whole record, its
+        variance, or 1.
     entries : str
         Which outputs are noisy, one of ``ENTRIES``.
     of_inputs : bool
@@ -250,7 +250,7 @@ class RecordNoise:
                 raise UnknownName(what, name, known)
 
     def amplitudes(self, signals: Array) -> Array:
-        r"""Return the amplitude :math:`\sqrt P` that noise of 0 dB has.
+        r"""Return the amplitude :math:`\sqrt P` of noise of 0 dB.
 
         Parameters
         ----------
@@ -271,7 +271,7 @@ class RecordNoise:
     def output_amplitudes(self, recorded: Record) -> Array:
         """Return the amplitudes of noise of 0 dB on every output, in the outputs' units.
 
-        Zero for the outputs that stay without noise.
+        It is zero for outputs without noise.
 
         Parameters
         ----------
@@ -326,8 +326,7 @@ class RecordNoise:
 
 
 NOISE_OF_THE_STUDY = RecordNoise()
-"""The noise that is meant unless another is asked for: on all of M, C and G, against their mean
-squares.
+"""The default noise: on all of M, C and G, relative to their mean squares.
 """
 
 
@@ -341,7 +340,7 @@ def record(
 ) -> Record:
     """Track a trajectory with the crisp computed-torque controller and record it.
 
-    Started at rest on it; inputs and dynamics are recorded.
+    The run starts at rest on the trajectory. Inputs and exact dynamics are recorded.
 
     Parameters
     ----------

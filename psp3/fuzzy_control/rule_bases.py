@@ -1,4 +1,4 @@
-"""Rule bases of M, C and G: which ones a robot has, how they are learned, and as one table."""
+"""Rule bases for M, C and G: those of a robot, how they are learned, and their table."""
 
 from __future__ import annotations
 
@@ -32,51 +32,51 @@ from psp3.fuzzy_control.spreading import spread_evenly
 from psp3.robots.learning_inputs import LearningInputs
 
 LEARNERS = (*LEARNERS_OF_RULES, "least-squares")
-"""How rules are learned, see :class:`fuzzy2.WangMendel`; the last one is its ridge least squares,
-with a ridge that generalized cross-validation chooses.
+"""Learners of rules, see :class:`fuzzy2.WangMendel`; the last is its ridge least squares, with a
+ridge that generalized cross-validation chooses.
 """
 
 CORIOLIS = ("rules", "mass")
-"""Where C comes from: rules of its own, or the derivative of M."""
+"""Sources of C: rules of its own, or the derivative of M."""
 
 MOST_GRID_RULES = 256
-"""Rules of the largest grid of a base that is one of several; where it would have more, clusters of
-the samples are the rules.
+"""Most rules in the grid of one of several rule bases. If its grid would have more, clusters of the
+samples become the rules.
 """
 
 CLUSTERS = 32
-"""How many they are then."""
+"""Number of these clusters."""
 
 WIDTH_OF_CLUSTER = 1.5
-"""Standard deviation of a cluster's terms, as a share of the way to the nearest other cluster:
-wide enough for rules to blend between samples, and narrow enough for each to have a consequent that
-makes sense by itself.
+"""Standard deviation of a cluster's terms, as a share of the distance to the nearest other cluster.
+It is wide enough for rules to blend between samples, and narrow enough for each consequent to be
+meaningful alone.
 """
 
 RIDGE = 1e-3
-"""Of the learner ``"ridge"``, that of :class:`fuzzy2.WangMendel`."""
+"""Ridge of the learner ``"ridge"``, as in :class:`fuzzy2.WangMendel`."""
 
 COMPLETED = (
     'learn on a path that goes there, use fewer terms, or take learner="strict", which completes '
     "rules from their neighbors"
 )
-"""What to do where no sample fires a rule of a grid."""
+"""Advice if no sample fires a rule of a grid."""
 
 _NO_PLANES = np.empty((2, 0))
 
 
 class Place(NamedTuple):
-    """Where a rule base stands: numbers of its inputs, and places of its outputs in the row."""
+    """A rule base's place: the indices of its inputs, and of its outputs in the row."""
 
     columns: tuple[int, ...]
     outputs: Indices
 
 
 def places_of_bases(inputs: LearningInputs, joints: int, coriolis: str) -> tuple[Place, ...]:
-    """Return where the rule bases of a robot stand.
+    """Return the places of a robot's rule bases.
 
-    One says all where all depends on the same inputs; else one says M and G, and one C, where that
-    has rules.
+    If M, C and G depend on the same inputs there is one base. Otherwise one base has M and G, and
+    another has C, if C has rules.
     """
     of_mass, of_coriolis = inputs.of_mass_and_gravity, inputs.of_coriolis
     if coriolis == "rules" and of_mass == of_coriolis:
@@ -88,7 +88,7 @@ def places_of_bases(inputs: LearningInputs, joints: int, coriolis: str) -> tuple
         raise InvalidValue(
             "coriolis",
             coriolis,
-            "'rules', of a robot whose M is learned from speeds, too, as that of the 3-PSP",
+            "'rules' for a robot whose M is learned from speeds, too, such as the 3-PSP",
         )
     return (of_both,)
 
@@ -108,7 +108,7 @@ class RuleOptions(NamedTuple):
 
 
 class _Named(np.ndarray[Any, np.dtype[np.float64]]):
-    """An array whose columns have names, so that errors of learning speak of Δq12 and not of x1."""
+    """An array with named columns, so that errors of learning mention Δq12 instead of x1."""
 
     columns: tuple[str, ...]
 
@@ -134,7 +134,8 @@ def learned_system(
             options.kind,
             options.mean_variation,
             "ridge" if by_validation else options.learner,
-            # Table look-up is published with completion; what no sample says is no model else.
+            # Table look-up is published with completion of empty cells; the other learners have no
+            # model for a rule without samples.
             "nearest" if options.learner == "strict" else "refuse",
             None if by_validation else RIDGE,
             reduction=options.reduction,
@@ -160,8 +161,8 @@ def learned_system(
         uncovered = (system.coverage(inputs) == 0.0).mean()
         if uncovered > 0.0:
             wanted = (
-                f"great enough for a rule to fire everywhere on the path; at {uncovered:.0%} "
-                "of the samples none does"
+                f"large enough for a rule to fire everywhere on the path; at {uncovered:.0%} of "
+                "the samples none does"
             )
             raise InvalidValue("term_width", options.term_width, wanted)
     return system
@@ -172,7 +173,7 @@ def _check_grid(options: RuleOptions, inputs: int) -> None:
     ridge = options.learner in ("ridge", "least-squares")
     most, terms = MOST_RIDGE_RULES if ridge else MOST_RULES, options.n_terms or 1
     if terms**inputs > most:
-        # Rounded down, but for what rounding makes of a whole number.
+        # Rounded down, except for a whole number with a rounding error.
         fit = int(most ** (1.0 / inputs) + 1e-9)
         wanted = f"at most {fit}: each combination of the terms of {inputs} inputs is a rule"
         raise InvalidValue("n_terms", terms, wanted)
@@ -218,13 +219,13 @@ class Partition(NamedTuple):
 
 
 def partition_by_clusters(options: RuleOptions, inputs: Array, number: int) -> Partition:
-    """Return terms about samples (N, p) that cover all evenly, and a rule for each of these."""
+    """Return terms centered on evenly spread samples of (N, p), and a rule for each."""
     if options.learner == "strict":
-        wanted = "another one than table look-up, which needs a grid: give n_terms, too"
+        wanted = "a learner other than table look-up, which needs a grid: give n_terms, too"
         raise InvalidValue("learner", options.learner, wanted)
     least, widths = inputs.min(axis=0), np.ptp(inputs, axis=0)
     points = (inputs - least) / widths
-    # Before there are distances of all to all, for which the memory may not do.
+    # Checked first, because the matrix of all distances may not fit into memory.
     different = len(np.unique(points, axis=0))
     if number > different and options.rules is None:
         wanted = f"at least {number} that differ, one for each rule"
@@ -236,7 +237,7 @@ def partition_by_clusters(options: RuleOptions, inputs: Array, number: int) -> P
     apart = np.sqrt(((centers[:, np.newaxis] - centers) ** 2).sum(axis=-1))
     np.fill_diagonal(apart, np.inf)
     nearest = apart.min(axis=1)
-    # A single rule covers all.
+    # A single rule covers the whole range.
     nearest = np.where(np.isfinite(nearest), nearest, 1.0)
     spreads = WIDTH_OF_CLUSTER * nearest[:, np.newaxis] * widths
     placed = least + widths * centers
@@ -336,7 +337,7 @@ def systems_from_motion(
 
 
 def fallback_of(systems: Sequence[FuzzySystem], places: Sequence[Place], joints: int) -> Array:
-    """Return the averages over the rules, (K,); 0 of a C that has no rules."""
+    """Return the averages over the rules, (K,); 0 for a C without rules."""
     fallback = np.zeros(count_of_numbers(joints))
     for system, place in zip(systems, places, strict=True):
         fallback[place.outputs] = np.asarray(system.consequents, dtype=float).mean(axis=0)
@@ -361,7 +362,7 @@ def _mean_and_sigma(term: Any) -> tuple[float, float]:
 
 
 def kind_of(system: FuzzySystem, defuzzify: str) -> int:
-    """Return the kind of controller, as kernels take it, from a system of one of its bases."""
+    """Return the kind of a controller for the kernels, from the system of one of its bases."""
     if not isinstance(system, GeneralType2System):
         return kernels.INTERVAL
     if system.reduction == "gaussian":
@@ -422,10 +423,10 @@ def controller_table(
 
 
 def _terms_and_rules(table: Array) -> Array:
-    """Return the part of a system's table that the corollary reads, without its consequents.
+    """Return the part of a system's table that the corollary reads, without consequents.
 
-    These are among the moments; with ends, distances and orders they would be most of what a drive
-    must hold.
+    The moments contain the consequents already. With their ends, distances and orders they would
+    fill most of the memory of a drive's controller.
     """
     inputs, terms, rules = (int(count) for count in table[:3])
     return table[: HEADER + TERM * terms + rules * inputs]
@@ -434,7 +435,7 @@ def _terms_and_rules(table: Array) -> Array:
 def write_derived_coriolis(
     controller: kernels.Fuzzy, inputs: Array, speeds: Array, numbers: Array
 ) -> None:
-    """Write the C that M's derivative gives to its places in the numbers (K,)."""
+    """Write the C from M's derivative to its places in the numbers (K,)."""
     asked, rates = (np.array(row, dtype=np.float64) for row in (inputs, speeds))
     data = controller.derived
     room = np.empty(christoffel_kernels.christoffel_room(data, rates.size))
@@ -444,7 +445,7 @@ def write_derived_coriolis(
 def _widened(system: FuzzySystem, width: float) -> FuzzySystem:
     """Return the system with the standard deviations of its terms multiplied.
 
-    All else is as it is.
+    Everything else is unchanged.
     """
     options: dict[str, Any] = {
         "input_names": system.input_names,

@@ -7,34 +7,33 @@ With the error :math:`e = a_d - a` and the sliding variable
           = Y(a, \dot a, \dot a_r, \ddot a_r)\, c + K s, \qquad
           \dot c = \Gamma Y^T s - \sigma\,(c - c_0),
 
-where Y is the regressor of :mod:`psp3.fuzzy_control.force_regressor` with the reference speeds in
-the place of those that C is multiplied with. Each consequent is put back into a box about the
-trained one, :math:`c_0`. No acceleration is measured, and no M is inverted, so that none has to be
-positive definite.
+where Y is the regressor of :mod:`psp3.fuzzy_control.force_regressor`, in which C multiplies the
+reference speeds. Each consequent is clamped to a box around the trained one, :math:`c_0`. No
+acceleration is measured, and no M is inverted, so M need not be positive definite.
 
-**Why it is stable.** If some :math:`c^*` in the box says the robot's forces, and
+**Why it is stable.** If some :math:`c^*` in the box gives the robot's forces exactly, and
 :math:`\dot M - 2 C` is skew-symmetric, then
 
 .. math:: V = \tfrac12 s^T M s + \tfrac12 (c - c^*)^T \Gamma^{-1} (c - c^*), \qquad
           \dot V \le -s^T K s
 
-without the leak σ: projection onto a box that holds :math:`c^*` brings c nearer to it. With the
-leak, V falls wherever the consequents are far from :math:`c^*`, and stays bounded.
+without the leak σ, because projection onto a box that contains :math:`c^*` brings c nearer to it.
+With the leak, V decreases while the consequents are far from :math:`c^*`, and stays bounded.
 
 **Gains.** λ and κ, with :math:`K = \kappa \bar M` and the average M of the rules, are the two poles
-of the trained controller's servo, :math:`x^2 - k_v x + k_p = 0`. Where these are not real, both are
-:math:`\sqrt{k_p}`: as stiff, and critically damped. Γ is diagonal. In units in which every motor
-moves a unit mass, all entries of M, of C and of G adapt alike, each by the force that it makes at
-accelerations and speeds as they are trained,
+of the trained controller's servo, :math:`x^2 - k_v x + k_p = 0`. If the poles are not real, both
+gains are :math:`\sqrt{k_p}`, which is equally stiff and critically damped. Γ is diagonal. In units
+in which every motor moves a unit mass, all entries of M adapt alike, and so do those of C and of G.
+The rate of an entry depends on its force at the trained accelerations and speeds,
 
 .. math:: \Gamma_{G_i} = \gamma d_i, \quad \Gamma_{M_{ij}} = \gamma d_i d_j / \alpha^2, \quad
           \Gamma_{C_{ij}} = \gamma d_i d_j / \nu^2, \quad
           \alpha^2 = \langle d_i \dot v_i^2 \rangle, \; \nu^2 = \langle d_i v_i^2 \rangle
 
-with :math:`d = \operatorname{diag} \bar M`, the greatest trained speeds v and, of a motor that
-swings that fast over half of its trained range A, the accelerations :math:`\dot v = v^2 / A`.
-With :math:`\gamma = \kappa / (T \langle \sum_r \phi_r^2 \rangle)` G follows within the time T,
-critically damped, too, where that is :math:`4 / \kappa`.
+with :math:`d = \operatorname{diag} \bar M`, the greatest trained speeds v, and the accelerations
+:math:`\dot v = v^2 / A` of a motor that swings with speed v and amplitude A, half of its trained
+range. With :math:`\gamma = \kappa / (T \langle \sum_r \phi_r^2 \rangle)` G follows within the time
+T, and is critically damped, too, if T is :math:`4 / \kappa`.
 
 Source: J.-J. E. Slotine and W. Li, "On the adaptive control of robot manipulators", International
 Journal of Robotics Research 6(3), 1987. The leak: P. A. Ioannou and P. V. Kokotović, "Instability
@@ -58,7 +57,7 @@ from psp3.fuzzy_control.slotine_li_kernels import Rules
 
 
 class Poles(NamedTuple):
-    """Slope λ of the sliding variable, and how fast it falls, κ [1/s]."""
+    """Slope λ of the sliding variable, and its rate of decay κ [1/s]."""
 
     slope: float
     decay: float
@@ -70,7 +69,7 @@ def poles_of_servo(kp: float, kv: float) -> Poles:
     Raises
     ------
     InvalidValue
-        If it is not.
+        If ``kp`` is not positive.
     """
     if not kp > 0.0:
         raise InvalidValue("kp", kp, "positive: rules adapt until the positions are right")
@@ -78,15 +77,16 @@ def poles_of_servo(kp: float, kv: float) -> Poles:
     if not apart > 0.0:
         return Poles(math.sqrt(kp), math.sqrt(kp))
     decay = 0.5 * kv + math.sqrt(apart)
-    # Their product is kp, which the difference of two great numbers would lose.
+    # The smaller pole comes from the product kp of both, because a difference of two large numbers
+    # would lose its digits.
     return Poles(kp / decay, decay)
 
 
 class Sizes(NamedTuple):
-    """What entries are measured by, in units in which every motor moves a unit mass.
+    """Typical sizes that entries are scaled by, in units in which every motor moves a unit mass.
 
-    ``masses`` (n,) are the diagonal of the average M; root mean squares over the motors of the
-    ``acceleration``, the ``speed`` and the ``weight``.
+    ``masses`` (n,) are the diagonal of the average M; ``acceleration``, ``speed`` and ``weight``
+    are root mean squares over the motors.
     """
 
     masses: Array
@@ -96,12 +96,12 @@ class Sizes(NamedTuple):
 
 
 def sizes_of(controller: FuzzyComputedTorque) -> Sizes:
-    """Return the sizes of a trained controller's numbers.
+    """Return the typical sizes of a trained controller's numbers.
 
     Raises
     ------
     InvalidValue
-        If a motor's position or speed is no input of the rules.
+        If a motor's position or speed is not an input of the rules.
     """
     n, plus = controller.joints, controller.inputs.plus.tolist()
     if (controller.inputs.minus >= 0).any() or not set(range(2 * n)) <= set(plus):
@@ -112,7 +112,7 @@ def sizes_of(controller: FuzzyComputedTorque) -> Sizes:
     amplitudes = 0.5 * (high - low)[:n]
     speeds = np.maximum(np.abs(low), np.abs(high))[n:]
     masses = np.diag(unpack(controller.fallback_)[0])
-    # G is the last that the first rule base says.
+    # G is the last output of the first rule base.
     weights = np.asarray(controller.systems_[0].consequents, dtype=float)[:, -n:]
 
     def size(values: Array) -> float:
@@ -128,17 +128,17 @@ def sizes_of(controller: FuzzyComputedTorque) -> Sizes:
 
 
 def trained_rules(controller: FuzzyComputedTorque, time: float, reach: float) -> Rules:
-    """Return what a controller was trained to, with damping, adaptation gains and box.
+    """Return the trained rules of a controller, with damping, adaptation gains and box.
 
     Parameters
     ----------
     controller : FuzzyComputedTorque
         The trained controller, of type-1 or interval type-2.
     time : float
-        T above [s].
+        Time T of the module's docstring [s].
     reach : float
-        Farthest that consequents may go, as a share of what is usual: of M and C of their units, of
-        G of the weight and of what accelerates the motors.
+        Farthest that consequents may move, as a share of typical sizes: for M and C their units,
+        for G the weight plus the forces that accelerate the motors.
     """
     sizes, decay = sizes_of(controller), poles_of_servo(controller.kp, controller.kv).decay
     scales, farthest = _scales_and_reach(sizes, reach)
@@ -165,7 +165,7 @@ def first_orders(controller: FuzzyComputedTorque) -> np.ndarray:
 
 
 def _scales_and_reach(sizes: Sizes, reach: float) -> tuple[Array, Array]:
-    """Return the adaptation gains of all numbers at γ = 1, and how far they may go, (K,) each."""
+    """Return the adaptation gains of all numbers at γ = 1, and their reach, (K,) each."""
     masses = sizes.masses
     n = len(masses)
     products = np.outer(masses, masses)
@@ -185,7 +185,7 @@ def _scales_and_reach(sizes: Sizes, reach: float) -> tuple[Array, Array]:
 
 
 def _shared_firing(system: FuzzySystem) -> float:
-    r"""Return the mean of :math:`\sum_r \phi_r^2` where rules fire most: 1 for a single one."""
+    r"""Return the mean of :math:`\sum_r \phi_r^2` where rules fire most; 1 for a single rule."""
     centers, _ = principal_terms_of(system)
     firing = np.asarray(system.firing(centers)).mean(axis=-1)
     phi = firing / firing.sum(axis=1, keepdims=True)

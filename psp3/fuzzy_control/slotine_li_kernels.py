@@ -1,8 +1,9 @@
-r"""Compiled steps of Slotine and Li's adaptive law on rule bases, of any robot.
+r"""Compiled steps of Slotine and Li's adaptive law on rule bases, for any robot.
 
-Rule bases are those of a trained controller, :class:`psp3.fuzzy_control.kernels.Fuzzy`. Consequents
-of all of them are one row: base after base (m, 2, R), left and right ends by output and rule; how
-far they have moved, and all else that both ends share, is (m, R) in the same order, P numbers.
+Rule bases are those of a trained controller, :class:`psp3.fuzzy_control.kernels.Fuzzy`. The
+consequents of all bases are one row: for each base (m, 2, R), left and right ends by output and
+rule. Their movement, and everything else that both ends share, is (m, R) in the same order, P
+numbers.
 """
 
 from __future__ import annotations
@@ -24,17 +25,17 @@ TIME, CALLED = range(2)
 
 
 class Settings(NamedTuple):
-    """Slope λ of the sliding variable [1/s], and how fast what was learned fades [1/s]."""
+    """Slope λ of the sliding variable [1/s], and the rate at which learned changes fade [1/s]."""
 
     slope: float
     fading: float
 
 
 class Rules(NamedTuple):
-    """What was trained, and how it adapts.
+    """The trained rules, and how they adapt.
 
     The trained ``controller``, the ``damping`` K (n, n), the ``trained`` consequents (2 P,), the
-    adaptation gains ``rates`` (P,) and the ``reach`` (P,), the farthest that consequents may go.
+    adaptation gains ``rates`` (P,) and the ``reach`` (P,), the farthest that consequents may move.
     """
 
     controller: Fuzzy
@@ -45,7 +46,7 @@ class Rules(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """What changes from call to call.
+    """The state that changes from call to call.
 
     ``clock`` (2,), ``gradient`` (P,) :math:`Y^T s` of the last call, how far the consequents are
     from the trained ones, ``delta`` (P,), and the ``consequents`` (2 P,) themselves with the
@@ -87,7 +88,7 @@ def _write_errors(slope, positions, speeds, desired, sliding, v, w):
 
 @compiled
 def _learn(settings, rules, memory, period):
-    """Move the consequents as the last call's gradient says, and put them back into their box."""
+    """Move the consequents along the last call's gradient, and clamp them to their box."""
     kept, bases, o, start = math.exp(-period * settings.fading), rules.controller.bases, 1, 0
     for _ in range(int(bases[0])):
         count, inputs, outputs = int(bases[o + 3]), int(bases[o + 4]), int(bases[o + 5])
@@ -157,7 +158,7 @@ def _write_mass(memory, mass):
 
 @compiled
 def _both(a, b, i, j):
-    """Entry (i, j) of what a symmetric matrix between a and b is multiplied with."""
+    """Return the factor of entry (i, j) of a symmetric matrix M in aᵀ M b."""
     return a[i] * b[j] + a[j] * b[i] if i != j else a[i] * b[i]
 
 
@@ -189,7 +190,7 @@ def _write_gradient(rules, phi, sliding, v, w, gradient):
 
 @compiled
 def _add_derived_gradient(along, sliding, speeds, v, gradient):
-    """Add what M's consequents add to sᵀ C v by the C that is derived from M."""
+    """Add the gradient of sᵀ C v by M's consequents, if C is derived from M."""
     count, n = along.shape
     for r in range(count):
         by_speed, by_reference, by_sliding = 0.0, 0.0, 0.0
@@ -221,8 +222,8 @@ def slotine_li_step(
 ) -> bool:
     """Learn from the last period and write the next forces, as ``kernels.fuzzy_torque`` does.
 
-    Return whether they are finite. ``fell back`` says that no rule fired, and that the trained
-    average took the place of an estimate.
+    Return whether they are finite. ``fell back`` means that no rule fired, and the trained average
+    replaced an estimate.
     """
     n, controller = positions.size, rules.controller
     total = t

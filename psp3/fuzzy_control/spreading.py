@@ -1,4 +1,4 @@
-"""Points of a set that cover it evenly, each the farthest from those before."""
+"""Choose points of a set that cover it evenly, each the farthest from those before."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from psp3.checks import Array
 
 
 def spread_evenly(points: Array, count: int) -> NDArray[np.intp]:
-    """Return the numbers of points (N, p), in shares of their ranges, that cover all evenly.
+    """Return the indices of points (N, p), in shares of their ranges, that cover all evenly.
 
     The first is the one farthest from the middle of the ranges, and each next one the farthest from
-    all before, so that every prefix covers all. No other choice leaves a point less than half as
-    far from its nearest (T. F. Gonzalez, "Clustering to minimize the maximum intercluster
-    distance", Theoretical Computer Science 38, 1985).
+    all before, so every prefix covers all. The greatest distance of a point from its nearest chosen
+    one is at most twice that of the best choice (T. F. Gonzalez, "Clustering to minimize the
+    maximum intercluster distance", Theoretical Computer Science 38, 1985).
     """
     chosen = [int(np.argmax(((points - 0.5) ** 2).sum(axis=1)))]
     nearest = ((points - points[chosen[0]]) ** 2).sum(axis=1)

@@ -19,14 +19,15 @@ from psp3.simulation.result import Result
 def figure_of_tube(
     tube: TrackingTube, results: Sequence[Result], axes: Sequence[Axes] | None = None
 ) -> Panels:
-    """Draw the errors of runs in a tube, a panel for each coordinate.
+    """Draw the errors of runs in a tube, one panel for each coordinate.
 
     Parameters
     ----------
     tube : TrackingTube
         The tube.
     results : sequence of Result
-        The runs, at least one. The tube is drawn about the first, from its error at the start on.
+        The runs, at least one. The tube is drawn about the first run, and starts with its initial
+        error.
     axes : sequence of k Axes, optional
         One for each coordinate, over time [s]; those of a new figure by default.
 

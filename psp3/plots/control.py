@@ -1,8 +1,8 @@
 """Figures of runs under control: tracking, differences, and the terms of fuzzy controllers.
 
-Every function draws into the axes it is given, or into those of a new figure, and returns them;
-``axes[0].figure`` is the figure to save. Nothing here touches ``matplotlib.pyplot``. The look is
-that of matplotlib's settings in force::
+Every function draws into the given axes, or into those of a new figure, and returns them;
+``axes[0].figure`` is the figure to save. No function uses ``matplotlib.pyplot``. The style follows
+matplotlib's current settings::
 
     with fuzzy2.plots.style.style():
         figure_of_tracking(result, "PD")[0].figure.savefig("tracking.svg")
@@ -46,7 +46,7 @@ def draw_tracking(axes: Sequence[Axes] | None, result: Result, title: str) -> Pa
             if speeds
             else (result.heights, result.desired.heights)
         )
-        # Drawn in this order, thin over thick, both stay visible where they coincide.
+        # Drawn in this order, thin over thick, so both lines are visible where they coincide.
         panel.plot(t, actual[every, column], label="actual")
         panel.plot(
             t,
@@ -91,7 +91,7 @@ def figure_of_tracking(result: Result, title: str, axes: Sequence[Axes] | None =
     result : Result
         A simulation.
     title : str
-        What was simulated.
+        Title of the figure.
     axes : sequence of 7 Axes, optional
         Three for the heights, three for the speeds, a 3D one for the path of the tip [mm]; new ones
         by default.
@@ -108,7 +108,7 @@ def figure_of_tracking(result: Result, title: str, axes: Sequence[Axes] | None =
     """
     checked_result(result)
     panels = draw_tracking(axes, result, title)
-    # Along a line or at rest an axis would otherwise be stretched until it shows rounding errors.
+    # Otherwise the axes of a straight path, or of a robot at rest, would magnify rounding errors.
     space: Any = panels[6]
     for axis in (space.xaxis, space.yaxis, space.zaxis):
         low, high = axis.get_view_interval()
@@ -123,7 +123,7 @@ DIFFERENCE_LABELS = (
     r"$\Delta\dot{q}_{12}$ [m/s]",
     r"$\Delta\dot{q}_{13}$ [m/s]",
 )
-"""The four inputs of the estimators, as axes are labeled."""
+"""Axis labels of the four inputs of the estimators."""
 
 
 def figure_of_terms(
@@ -141,12 +141,12 @@ def figure_of_terms(
 
 
 def draw_terms(panel: Axes, controller: FuzzyComputedTorque, number: int) -> None:
-    """Draw the terms of one input, and the range that was trained."""
+    """Draw the terms of one input, and its trained range."""
     terms = controller.system_.inputs[number]
     low, high = controller.ranges_[:, number]
     reach = 0.15 * (high - low)
     figure_of_sets(dict(zip(term_names(len(terms)), terms, strict=True)), axes=panel)
-    # Beyond the trained range inputs are clamped: terms matter within it.
+    # Inputs are clamped to the trained range, so terms matter only within it.
     for end in (low, high):
         panel.axvline(end, color=muted(), linewidth=0.8, linestyle=":")
     panel.set(xlim=(low - reach, high + reach), xlabel=DIFFERENCE_LABELS[number])
@@ -159,7 +159,7 @@ def draw_terms(panel: Axes, controller: FuzzyComputedTorque, number: int) -> Non
 
 
 def shown_samples(samples: int) -> slice:
-    """Five hundred points are more than the eye resolves and keep the file small."""
+    """Five hundred points look smooth, and keep the file small."""
     return slice(None, None, max(1, samples // 500))
 
 
@@ -168,7 +168,7 @@ def draw_differences(axes: Sequence[Axes] | None, result: Result, title: str) ->
     checked_title(title)
     panels = given_panels(axes, 5)
     if panels is None:
-        # Placed by hand: working out a layout with axes in space takes as long as drawing them.
+        # Placed by hand, because computing a layout with 3D axes takes as long as drawing them.
         figure = Figure(figsize=(11.5, 5.2))
         figure.set_layout_engine("none")
         figure.suptitle(title)
@@ -219,14 +219,14 @@ def draw_differences(axes: Sequence[Axes] | None, result: Result, title: str) ->
 def figure_of_differences(result: Result, title: str, axes: Sequence[Axes] | None = None) -> Panels:
     """Draw Figures 55 to 58 and 60 to 63.
 
-    Desired and actual inputs of the estimators, and the path of the tip.
+    The figures show desired and actual inputs of the estimators, and the path of the tip.
 
     Parameters
     ----------
     result : Result
         A simulation.
     title : str
-        What was simulated.
+        Title of the figure.
     axes : sequence of 5 Axes, optional
         For the two differences of heights [m] and the two of speeds [m/s], and a 3D one for the
         path of the tip [mm]; new ones by default.

@@ -1,4 +1,4 @@
-"""Figures of motions of any robot, a line for each joint that a motor commands."""
+"""Figures of motions of any robot, one line for each joint that a motor commands."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ DASHES = ("-", (0, (6, 2)), (0, (2, 2)))
 """Lines that coincide show through the gaps of those drawn over them."""
 
 NAMED = 8
-"""So many joints are named in a legend; more would hide what is drawn."""
+"""Greatest number of joints in a legend; more would hide the curves."""
 
 
 def figure_of_joint_tracking(
@@ -30,17 +30,17 @@ def figure_of_joint_tracking(
 ) -> Panels:
     """Draw a simulation of any robot: positions beside the desired ones, errors, and forces.
 
-    Of a robot whose coordinates are not its motors, the positions of those that are commanded and
-    the forces of all motors.
+    If a robot's coordinates are not its motors, the figure has the positions of the commanded ones
+    and the forces of all motors.
 
     Parameters
     ----------
     robot : Robot
         The robot that was simulated.
     result : Result
-        What happened.
+        The simulation.
     title : str
-        What was simulated.
+        Title of the figure.
     axes : sequence of 3 Axes, optional
         For the positions, their errors and the forces over time [s]; those of a new figure by
         default.
@@ -86,7 +86,7 @@ def figure_of_joint_tracking(
 def figure_of_joint_forces(
     robot: Robot, forces: ScrewForces, title: str, axes: Sequence[Axes] | None = None
 ) -> Panels:
-    """Draw a motion of any robot with the forces that it takes.
+    """Draw a motion of any robot with its forces.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def figure_of_joint_forces(
     forces : ScrewForces
         From :func:`psp3.trajectories.screw_forces.screw_forces`.
     title : str
-        What is drawn.
+        Title of the figure.
     axes : sequence of 4 Axes, optional
         For positions, speeds, accelerations and forces over time [s]; those of a new figure by
         default.
@@ -152,21 +152,21 @@ def _draw(panel: Axes, t: Array, values: Array, names: Sequence[str]) -> None:
 
 def _name(panel: Axes, names: Sequence[str]) -> None:
     if len(names) <= NAMED:
-        # Above the axes, where it hides nothing.
+        # Above the axes, so the legend hides nothing.
         panel.legend(
             ncols=min(len(names), 4), loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False
         )
 
 
 def _name_both(robot: Robot, positions: Axes, forces: Axes) -> None:
-    """Name the joints, and the motors where they are others."""
+    """Name the joints, and the motors if they differ from the joints."""
     _name(positions, _commanded(robot))
     if robot.actuated != _commanded(robot):
         _name(forces, robot.actuated)
 
 
 def _units(robot: Robot) -> tuple[str, str]:
-    """Return the units of positions and of the motors' forces; a tendon's is not known."""
+    """Return the units of positions and of the motors' forces; empty for a tendon."""
     turning = rotating(robot.model)
     length = _joined(turning[robot.coordinates_v[: robot.commanded]], "rad", "m")
     return length, _joined(turning[robot.actuated_v], "N m", "N")

@@ -1,4 +1,4 @@
-"""Pages of HTML that need nothing else: their style, tables and drawings."""
+"""Self-contained HTML pages: style, tables and drawings."""
 
 from __future__ import annotations
 
@@ -54,26 +54,27 @@ border: 0; padding: .15rem 0; min-width: 0; overflow-wrap: anywhere; }
   TABLE td[data-heading=""]::before { display: none; }
   TABLE td.numbers { white-space: pre-wrap; } }
 """
-"""A table without room: each row is a list of headings and cells, so that no column is hidden."""
+"""Style of a table in a narrow window: each row is a list of headings and cells, so no column is
+hidden."""
 
 MANY, CROWD = 6, 9
-"""Columns that a table has at most if a small window has room for it, and if any window has room
-for its intervals.
+"""Greatest number of columns of a table that fits into a small window, and of one whose intervals
+fit into any window.
 """
 
 LONGEST_WORD = 24
-"""Letters of a word in a cell that is not broken."""
+"""Greatest length of a word in a cell that is not broken."""
 
 for _table, _width in ((".wide.many table", "80rem"), (".wide table", "48rem")):
     STYLE += _STACKED.replace("TABLE", _table).replace("WIDTH", _width)
 
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
-"""What a page may do: be looked at. No script runs in it, and it loads nothing."""
+"""Content security policy of a page: no script runs in it, and it loads nothing."""
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
 
 _UNBROKEN = re.compile(r"\([^()\s]+ to [^()\s]+\)|[\d.]+ (?:%|dB|m²?|(?:to|of|at) [\d.]+)")
-"""Parts of a cell that are read as one."""
+"""Parts of a cell that must not be broken."""
 
 
 def page(title: str, *content: str) -> Markup:
@@ -91,24 +92,24 @@ def page(title: str, *content: str) -> Markup:
 
 
 def drawing(svg: bytes, caption: str, description: str) -> Markup:
-    """Return a drawing with its caption, and with words for those who cannot see it."""
+    """Return a drawing with its caption and alternative text."""
     image = base64.b64encode(svg).decode("ascii")
     shown = element("img", alt=f"{caption} {description}", src=f"data:image/svg+xml;base64,{image}")
     return element("figure", shown, element("figcaption", caption))
 
 
 def lead(text: str) -> Markup:
-    """Return the sentence that a page opens with."""
+    """Return the opening sentence of a page."""
     return element("p", text, class_="lead")
 
 
 def side_by_side(*content: str) -> Markup:
-    """Return parts of a page that stand beside each other, or below each other without room."""
+    """Return parts of a page side by side, or one below the other in a narrow window."""
     return element("div", *content, class_="beside")
 
 
 def folded(anchor: str, title: str, *content: str) -> Markup:
-    """Return a part of a page of which only the title is seen until it is opened."""
+    """Return a folded part of a page, which shows only its title until it is opened."""
     summary = element("summary", element("h2", title, id=anchor))
     return element("details", summary, *content)
 
@@ -116,16 +117,16 @@ def folded(anchor: str, title: str, *content: str) -> Markup:
 def table(
     anchor: str, title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], note: str
 ) -> Markup:
-    """Return a table below its heading, to which ``anchor`` leads, and above its note."""
+    """Return a table with its heading, the target of ``anchor``, above and its note below."""
     return joined([element("h2", title, id=anchor), table_alone(anchor, columns, rows, note)])
 
 
 def table_alone(
     anchor: str, columns: Sequence[str], rows: Iterable[Sequence[str]], note: str
 ) -> Markup:
-    """Return a table above its note, whose heading ``anchor`` names.
+    """Return a table with its note below; its heading has the id ``anchor``.
 
-    Each cell has the heading of its column, which stands beside it in a narrow window.
+    Each cell holds the heading of its column, which is shown beside it in a narrow window.
     """
     is_crowded = len(columns) > CROWD
     head = element("tr", *(element("th", column, scope="col") for column in columns))
@@ -156,10 +157,10 @@ def note_below(text: str) -> Markup:
 
 
 def _cell(text: str, heading: str, is_crowded: bool) -> Markup:
-    """Return a cell, whose words wrap, but no number leaves its unit, sign or interval.
+    """Return a cell that wraps between words, but keeps numbers with unit, sign and interval.
 
-    In a crowded table intervals wrap, too. Rows of numbers, which two spaces divide, stay as they
-    are.
+    In a table with many columns intervals wrap, too. Rows of numbers that are separated by two
+    spaces never wrap.
     """
     if "  " in text:
         return element("td", text, class_="numbers", data_heading=heading)

@@ -1,4 +1,4 @@
-"""The panels that figures are drawn into: those of fuzzy2, with the errors of this package."""
+"""Panels for figures: those of fuzzy2, with the errors of this package."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from psp3.simulation.result import Result
 
 
 def checked_result(result: object) -> None:
-    """Raise :class:`InvalidValue` if something is no result of a simulation."""
+    """Raise :class:`InvalidValue` if a value is not the result of a simulation."""
     checked_kind("result", result, Result, "a result, as psp3.simulate returns it")
 
 
 def checked_title(title: object, name: str = "title") -> None:
-    """Raise :class:`InvalidValue` if something is no text: matplotlib draws all it is given."""
+    """Raise :class:`InvalidValue` if a title is not a text, because matplotlib draws any object."""
     checked_kind(name, title, str, "a text")
 
 
 def given_panels(axes: Sequence[Axes] | None, count: int) -> Panels | None:
-    """Return the panels to draw into, None if none are given; refuse a wrong number of them."""
+    """Return the panels to draw into, None if none are given; refuse a wrong number."""
     return panels.given_panels(axes, count, InvalidValue)

@@ -1,4 +1,4 @@
-"""Figures of sweeps, and of comparisons on robots that differ from the controllers' models."""
+"""Figures of sweeps, and of comparisons on robots that differ from the controllers' model."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from psp3.study.statistics import mean
 def error_bars(value: Array, low: Array, high: Array) -> Array:
     """Return lengths of error bars, (2, N).
 
-    A bootstrap interval of percentiles need not hold the value.
+    They are never negative, although a percentile bootstrap interval need not contain the value.
     """
     return np.maximum([value - low, high - value], 0.0)
 
@@ -91,7 +91,7 @@ LABELS = {
     "settled_error": ("settled error [mm]", 1e3),
     "effort": ("effort [N² s]", 1.0),
 }
-"""What an axis says of a metric, and by what its values are multiplied."""
+"""Axis label of each metric, and factor on its values."""
 
 MARKERS = "osv^DPX*"
 
@@ -106,7 +106,7 @@ def figure_of_mismatch(
     Parameters
     ----------
     found : Comparison
-        What :func:`psp3.study.mismatch.compare` returned.
+        Return value of :func:`psp3.study.mismatch.compare`.
     metric : str
         One of :data:`LABELS`.
     axes : sequence of Axes, optional
@@ -163,7 +163,7 @@ def _draw(panel: Axes, found: Comparison, cases: list[Run], metric: str) -> None
             scale * np.array([getattr(one, end) for one in estimates])
             for end in ("value", "low", "high")
         )
-        # Side by side within the place of a payload, so that intervals do not hide each other.
+        # Side by side at each payload, so intervals do not hide each other.
         x = np.arange(len(cases)) + 0.8 * ((number + 0.5) / count - 0.5)
         errors = np.nan_to_num(np.maximum(np.stack([values - low, high - values]), 0.0))
         panel.errorbar(

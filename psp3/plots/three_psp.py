@@ -18,7 +18,7 @@ from psp3.trajectories.screw_forces import ScrewForces
 
 
 def figure_of_torques(forces: ScrewForces, axes: Sequence[Axes] | None = None) -> Panels:
-    """Draw the way from the tip's motion to the screw forces (after Figs 27, 28 and 31).
+    """Draw the steps from the tip's motion to the screw forces (after Figs 27, 28 and 31).
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def figure_of_torques(forces: ScrewForces, axes: Sequence[Axes] | None = None) -
         (speeds, motion.speeds, nuts, "Nut speeds", "speed [m/s]"),
         (accelerations, motion.accelerations, nuts, "Nut accelerations", "acceleration [m/s²]"),
     ):
-        # Lines that coincide, as in a motion along arm 1, show through the gaps of those drawn over
+        # Coinciding lines, as in a motion along arm 1, show through the gaps of those drawn over
         # them.
         for column, name, dashes in zip(
             values.T, names, ("-", (0, (6, 2)), (0, (2, 2))), strict=True
@@ -68,7 +68,7 @@ def figure_of_torques(forces: ScrewForces, axes: Sequence[Axes] | None = None) -
         (forces.coriolis, "Coriolis, C ȧ"),
     ):
         size = np.linalg.norm(values, axis=-1)
-        # A term that rests has no place on a logarithmic scale.
+        # A term that is zero has no place on a logarithmic scale.
         terms.plot(forces.t, np.where(size > 0.0, size, np.nan), label=name)
     terms.set(yscale="log", ylabel="norm over the screws [N]")
     terms.set_title("What the forces are made of")
@@ -84,7 +84,7 @@ def figure_of_torques(forces: ScrewForces, axes: Sequence[Axes] | None = None) -
 def figure_of_workspace(
     robot: PSP3, poses: WorkspaceMap, over: str = "tilt", axes: Sequence[Axes] | None = None
 ) -> Panels:
-    """Draw what the poses of the workspace cost.
+    """Draw the quality of poses over the workspace.
 
     Parameters
     ----------
@@ -95,8 +95,7 @@ def figure_of_workspace(
         :func:`psp3.three_psp.workspace.map_over_tilt`, or from
         :func:`psp3.three_psp.workspace.map_over_reach`.
     over : {"tilt", "tip"}
-        What the two coordinates of the panels are: tilt toward x and y [degrees], or the tip's x
-        and y [mm].
+        The two coordinates of the panels: tilt toward x and y [degrees], or the tip's x and y [mm].
     axes : sequence of 6 Axes, optional
         For the tip's distance from the vertical axis [mm] (over the tip: the tilt [degrees]), the
         parasitic motion [mm], the shortest and the longest arm [mm], and the condition numbers of
@@ -112,7 +111,7 @@ def figure_of_workspace(
     InvalidValue
         If another number of axes is given, or the map has other dimensions.
     UnknownName
-        If ``over`` is something else.
+        If ``over`` has another value.
     """
     checked_kind("poses", poses, WorkspaceMap, "a map of the workspace")
     known_name("coordinates of a workspace figure", over, ("tilt", "tip"))
@@ -148,7 +147,8 @@ def figure_of_workspace(
     ):
         data = np.ma.masked_invalid(values)
         if values is poses.tip_condition:
-            # Infinite on the fold; what lies above 100 is all the same of no use.
+            # Cut at 100: condition numbers are infinite on the fold, and poses above 100 are all
+            # equally useless.
             levels = np.geomspace(1.0, 100.0, 13)
             filled = panel.contourf(
                 x, y, data, levels=levels, norm=LogNorm(1.0, 100.0), extend="max"
@@ -156,7 +156,7 @@ def figure_of_workspace(
             ticks: list[float] | None = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0]
         else:
             filled, ticks = panel.contourf(x, y, data, levels=12), None
-        # Vector formats would otherwise show the seams between the levels.
+        # Otherwise vector formats show the seams between the levels.
         filled.set_edgecolor("face")
         bar = panel.figure.colorbar(
             filled, ax=panel, ticks=ticks, format=None if ticks is None else "%g", shrink=0.9

@@ -1,9 +1,9 @@
 """Figures of the workspaces of any robot.
 
-Maps with their borders and singularities, and clouds of reached positions.
+They show maps with borders and singularities, and clouds of reached positions.
 
-As in :mod:`psp3.plots`, every function draws into the axes it is given, or into those of a new
-figure, and returns them.
+As in :mod:`psp3.plots`, every function draws into the given axes, or into those of a new figure,
+and returns them.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ STATUS_NAMES = {
     Status.APART: "cut off",
     Status.USABLE: "usable",
 }
-"""Statuses of poses that can be reached, in words."""
+"""Statuses of reachable poses, in words."""
 
 STATUS_COLORS = {
     Status.BEYOND_LIMIT: ORANGE,
@@ -49,26 +49,26 @@ LINES: dict[Literal["solid", "dashed", "dotted"], str] = {
     "dashed": "singularity of the end effector",
     "dotted": "limit of a joint",
 }
-"""What lines in maps are."""
+"""Meaning of the lines in maps."""
 
 LARGEST_CONDITION = 100.0
-"""Condition numbers above this are all the same of no use, and drawn alike."""
+"""Condition numbers above this are drawn alike, because such poses are all equally useless."""
 
 
 def figure_of_map(
     poses: KinematicMap, border: Boundary | None = None, axes: Sequence[Axes] | None = None
 ) -> Panels:
-    """Draw a map over two coordinates: what its poses are good for, and how well.
+    """Draw a map over two coordinates: the status and the quality of its poses.
 
-    Lines are singularities, where the grid crosses them, and limits of joints. What cannot be
-    reached stays blank.
+    Lines are singularities, where the grid crosses them, and limits of joints. Unreachable poses
+    stay blank.
 
     Parameters
     ----------
     poses : KinematicMap
         A map over two coordinates.
     border : Boundary, optional
-        A border that is drawn around the statuses, from
+        A border to draw around the statuses, from
         :meth:`psp3.kinematics.workspace.Workspace.boundary`.
     axes : sequence of 6 Axes, optional
         For the status, the measures of actuation and of the end effector, the least distance of a
@@ -83,7 +83,7 @@ def figure_of_map(
     Raises
     ------
     InvalidValue
-        If the map is of other dimensions, or another number of axes is given.
+        If the map has other dimensions, or another number of axes is given.
     """
     if len(poses.grid) != 2:
         raise InvalidValue("poses", tuple(poses.grid), "a map over two coordinates")
@@ -139,15 +139,15 @@ def figure_of_map(
 
 
 def figure_of_cloud(poses: KinematicMap, axes: Sequence[Axes] | None = None) -> Panels:
-    """Draw where the frame is in the poses of a map, in the colors of their statuses.
+    """Draw the positions of the frame in the poses of a map, colored by status.
 
     Parameters
     ----------
     poses : KinematicMap
         A map over any number of coordinates.
     axes : sequence of one Axes, optional
-        Of the projection ``3d``, or any other if all positions lie in a plane of the base's axes;
-        those of a new figure by default.
+        One with the projection ``3d``, or any other if all positions lie in a plane of the base's
+        axes; that of a new figure by default.
 
     Returns
     -------
@@ -157,7 +157,7 @@ def figure_of_cloud(poses: KinematicMap, axes: Sequence[Axes] | None = None) -> 
     Raises
     ------
     InvalidValue
-        If no pose of the map can be reached, or another number of axes is given.
+        If no pose of the map is reachable, or another number of axes is given.
     """
     if not poses.reachable.any():
         raise InvalidValue("poses", poses.robot, "a map with poses that can be reached")
@@ -170,7 +170,7 @@ def figure_of_cloud(poses: KinematicMap, axes: Sequence[Axes] | None = None) -> 
     panels: Panels = tuple(axes)
     if len(panels) != 1:
         raise InvalidValue("axes", len(panels), "one Axes for this figure")
-    # Matplotlib's axes in three dimensions take more than their type says.
+    # Matplotlib's 3D axes accept more arguments than their type says.
     panel: Any = panels[0]
     statuses = poses.status[poses.reachable]
     for status in sorted(set(statuses.tolist())):
@@ -184,7 +184,7 @@ def figure_of_cloud(poses: KinematicMap, axes: Sequence[Axes] | None = None) -> 
         )
     panel.set_aspect("equal")
     if len(shown) == 3:
-        # Room for the label of the third axis, which constrained layout does not see.
+        # Room for the label of the third axis, which constrained layout ignores.
         panel.set_box_aspect(None, zoom=0.86)
     for axis, k in zip("xyz", shown, strict=False):
         getattr(panel, f"set_{axis}label")(f"{poses.frame} {'xyz'[k]} [mm]")
@@ -220,7 +220,7 @@ def _draw_values(panel: Axes, x: Array, y: Array, values: Array, title: str) -> 
     known = values[np.isfinite(values)]
     if not known.size:
         return
-    # Near a singularity a few values would hide all others.
+    # Near a singularity a few huge values would hide all others.
     low, high = (float(value) for value in np.quantile(known, [0.02, 0.98]))
     ticks: list[float] | None = None
     norm: Normalize
@@ -239,7 +239,7 @@ def _draw_values(panel: Axes, x: Array, y: Array, values: Array, title: str) -> 
         norm = Normalize(levels[0], levels[-1])
     data = np.ma.masked_invalid(np.where(np.isposinf(values), 1e300, values)).T
     filled = panel.contourf(x, y, data, levels=levels, norm=norm, extend="both")
-    # Vector formats would otherwise show the seams between the levels.
+    # Otherwise vector formats show the seams between the levels.
     filled.set_edgecolor("face")
     bar = panel.figure.colorbar(
         filled, ax=panel, ticks=ticks, format=None if ticks is None else "%g", shrink=0.9
@@ -251,9 +251,9 @@ def _draw_values(panel: Axes, x: Array, y: Array, values: Array, title: str) -> 
 def _draw_lines(
     panel: Axes, poses: KinematicMap, x: Array, y: Array
 ) -> set[Literal["solid", "dashed", "dotted"]]:
-    """Draw singularities and limits as the lines on which quantities with a sign vanish.
+    """Draw singularities and limits as the lines on which signed quantities vanish.
 
-    Return the dashes of those there are.
+    Return the line styles that were used.
     """
     measures = poses.measures
     drawn: set[Literal["solid", "dashed", "dotted"]] = set()

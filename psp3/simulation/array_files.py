@@ -1,8 +1,8 @@
-"""Files of arrays, ``.npz``, whose sizes are looked at before anything is read.
+"""Files of arrays, ``.npz``, whose sizes are checked before anything is read.
 
-An ``.npz`` is a zip of arrays, each with a header that says how large it is. Of a file that may
-come from anywhere neither is believed: a header of a hundred bytes can ask for terabytes, a
-compressed megabyte can hold a gigabyte, and an array of objects runs what its author likes.
+An ``.npz`` is a zip of arrays, each with a header that states its size. A file may come from
+anywhere, so neither is trusted: a header of a hundred bytes can ask for terabytes, a compressed
+megabyte can hold a gigabyte, and an array of objects can run any code.
 """
 
 from __future__ import annotations
@@ -19,30 +19,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 LARGEST = 512 * 2**20
-"""Bytes of all arrays of a file together, unless more is asked for."""
+"""Default limit of the bytes of all arrays of a file together."""
 
 MOST_MEMBERS = 100
-"""Arrays of a file."""
+"""Greatest number of arrays in a file."""
 
 END = struct.Struct("<4s4H2LH")
-"""The end of a zip without a comment: mark, numbers of disks and members, size and place of its
-table of contents.
+"""The end record of a zip without a comment: mark, numbers of disks and members, size and place of
+its table of contents.
 """
 
 LONG_END = b"PK\x06\x07"
-"""Stands before that end in a zip of more than 4 GiB."""
+"""Mark before the end record in a zip of more than 4 GiB."""
 
 ENCRYPTED = 1
-"""The bit of a member that has a password."""
+"""Flag of a member with a password."""
 
 MOST_DIMENSIONS = 8
-"""Dimensions of an array."""
+"""Greatest number of dimensions of an array."""
 
 PIECE = 2**20
-"""Bytes that are read at a time."""
+"""Number of bytes that are read at a time."""
 
 KINDS = "fbU"
-"""Arrays are of floating-point numbers, truth values and text."""
+"""Kinds of arrays: floating-point numbers, booleans and text."""
 
 
 def arrays_of(path: str | Path, largest: int = LARGEST) -> Mapping[str, NDArray[np.generic]]:
@@ -53,15 +53,15 @@ def arrays_of(path: str | Path, largest: int = LARGEST) -> Mapping[str, NDArray[
     path : path
         The file, as :func:`numpy.savez` and :func:`numpy.savez_compressed` write them.
     largest : int
-        Bytes of all arrays together.
+        Limit of the bytes of all arrays together.
 
     Raises
     ------
     OSError
         If the file cannot be read.
     ValueError
-        If it is no such file, is damaged, encrypted or compressed in another way, holds other kinds
-        of arrays, or more than is asked for.
+        If it is not such a file, is damaged, encrypted or compressed in another way, holds other
+        kinds of arrays, or exceeds ``largest``.
     """
     with Path(path).open("rb") as file:
         _check_end(file)
@@ -75,7 +75,7 @@ def arrays_of(path: str | Path, largest: int = LARGEST) -> Mapping[str, NDArray[
         except (zipfile.BadZipFile, zlib.error, EOFError, struct.error) as error:
             raise ValueError(str(error) or "it ends too early") from error
         except (NotImplementedError, RuntimeError, AttributeError) as error:
-            raise ValueError(f"it is no zip of the usual kind: {error}") from error
+            raise ValueError(f"it is not a zip file of the usual kind: {error}") from error
 
 
 def _check_end(file: io.BufferedReader) -> None:
@@ -85,10 +85,10 @@ def _check_end(file: io.BufferedReader) -> None:
     file.seek(max(0, size - tail))
     content = file.read(tail)
     if len(content) < END.size:
-        raise ValueError("it is no zip")
+        raise ValueError("it is not a zip file")
     mark, _, _, _, members, table, _, comment = END.unpack(content[-END.size :])
     if mark != b"PK\x05\x06" or comment:
-        raise ValueError("it is no zip, or has a comment")
+        raise ValueError("it is not a zip file, or has a comment")
     if content.startswith(LONG_END) or members > MOST_MEMBERS or table > 2**16:
         raise ValueError(f"it has more than {MOST_MEMBERS} members, or a long table of contents")
     file.seek(0)
@@ -113,7 +113,7 @@ def _checked_members(archive: zipfile.ZipFile, largest: int) -> list[zipfile.Zip
 
 
 def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[np.generic]:
-    """Return the array of a member, whose header must say what is there."""
+    """Return the array of a member, whose header must match its data."""
     with archive.open(member) as content:
         version = np.lib.format.read_magic(content)
         read_header = {
@@ -140,7 +140,7 @@ def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[np.gene
             at += len(piece)
         if at != size:
             raise ValueError(f"{member.filename[:80]!r} ends too early")
-    # Truth values are bytes of 0 or 1, and others are those of a damaged file.
+    # Booleans are bytes of 0 or 1; any other byte means a damaged file.
     if kind.kind == "b" and data.max(initial=0) > 1:
-        raise ValueError(f"{member.filename[:80]!r} holds bytes that are no truth values")
+        raise ValueError(f"{member.filename[:80]!r} holds bytes that are not booleans")
     return data.view(kind).reshape(shape, order="F" if by_columns else "C")

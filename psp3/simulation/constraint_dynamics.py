@@ -1,4 +1,4 @@
-"""A plant that is the whole tree, under Pinocchio's ``constraintDynamics``."""
+"""A plant that integrates the whole tree under Pinocchio's ``constraintDynamics``."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ class ConstraintDynamics(FixedSteps):
 
     The loops are constraints on accelerations, so integration errors would open them slowly;
     Baumgarte's stabilization adds :math:`2\omega \dot\phi + \omega^2 \phi` to pull them shut. Motor
-    inertia is Pinocchio's armature, or where no coordinate is the force that it takes; friction,
-    springs and damping are forces on the joints. What
-    Pinocchio has no constraints for, couplings, hinges and held motions, is kept closed by forces
-    :math:`R^T \lambda` along the rows R of these equations, which follow from what unit forces do.
+    inertia is Pinocchio's armature, or, for a motor that is not at a coordinate, the force that
+    accelerates it. Friction, springs and damping are forces on the joints. Pinocchio has no
+    constraints for couplings, hinges and held motions. They are kept closed by forces :math:`R^T
+    \lambda` along the rows R of their equations, which follow from the effect of unit forces.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class ConstraintDynamics(FixedSteps):
     InvalidValue
         If loops contradict each other by rounding.
     DisorderedJoints
-        If the tree's joints are not chain by chain, for which Pinocchio is wrong.
+        If the tree's joints are not ordered chain by chain, because Pinocchio is then wrong.
     """
 
     def __init__(
@@ -82,14 +82,14 @@ class ConstraintDynamics(FixedSteps):
         is_redundant = robot.mobility.redundant_equations > 0
         self._solver = ConstraintSolver(model, closures, is_redundant)
         self._more = _MoreConstraints(robot, frequency)
-        # What can hold a coordinate at rest is counted with its drive.
+        # Friction that can hold a coordinate at rest is counted as its drive's.
         self._dependent_friction = np.array(model.upperDryFrictionLimit)
         self._dependent_friction[self._driven.joints] = 0.0
         self._motors, self._springs = robot.motors, robot.springs
         self.q, self.v = robot.q0, np.zeros(model.nv)
 
     def start(self, positions: Array, speeds: Array) -> None:
-        """Put the robot into a state; positions (p,) and speeds (n,) of the coordinates."""
+        """Set the state; positions (p,) and speeds (n,) of the coordinates."""
         self.q = self._robot.configuration(positions)
         self.v = self._robot.velocity(positions, speeds)
 
@@ -111,19 +111,19 @@ class ConstraintDynamics(FixedSteps):
             return free
         moved = [self._solved_without_motors(q, v, along + column) - free for column in columns.T]
         answers = np.stack(moved, axis=1)
-        # Each motor takes the force that its inertia needs.
+        # Each motor loses the force that accelerates its own inertia.
         felt = np.eye(len(inertia)) + inertia[:, np.newaxis] * (columns.T @ answers)
         return np.asarray(free - answers @ np.linalg.solve(felt, inertia * (free @ columns)))
 
     def _solved_without_motors(self, q: Array, v: Array, along: Array) -> Array:
-        """Return these accelerations without the inertia of motors that are at no coordinate."""
+        """Return the accelerations without the inertia of motors that are not at a coordinate."""
         free = self._solver.accelerations(q, v, along)
         if not self._more.count:
             return free
         rows, wanted = self._more.at(q, v)
         moved = [self._solver.accelerations(q, v, along + row) - free for row in rows]
         answers = np.stack(moved, axis=1)
-        # Of equations that follow from others the shortest forces.
+        # If equations are dependent, the forces of least norm are taken.
         forces = np.linalg.lstsq(rows @ answers, wanted - rows @ free, rcond=RANK)[0]
         return np.asarray(free + answers @ forces)
 
@@ -141,9 +141,9 @@ class ConstraintDynamics(FixedSteps):
         return np.asarray(along - driven.columns @ (brakes + self._sliding_friction(speeds)))
 
     def _balance(self, q: Array, v: Array, forces: Array) -> tuple[Array, Array]:
-        """Return M + J as the inverse of what unit forces do.
+        """Return M + J as the inverse of the accelerations under unit forces.
 
-        And the force that would do what the forces do.
+        Also return the force along the coordinates that is equivalent to all forces.
         """
 
         def rows(force: Array) -> Array:
@@ -165,13 +165,13 @@ class ConstraintDynamics(FixedSteps):
             friction[sticks] = (net - mass @ self._joint_accelerations(mass, net))[sticks]
         along = self._along_joints(q, v, forces, friction)
         acceleration = self._solved(q, v, along)
-        # What sticks rests to the last bit, not only to rounding.
+        # The speed of a sticking joint is set to exactly zero, because it only rounds to that.
         acceleration[self._rows[sticks]] = 0.0
         return acceleration
 
 
 class _MoreConstraints:
-    """Equations that Pinocchio has no constraints for, and velocities that are held at zero."""
+    """Equations for which Pinocchio has no constraints, and velocities that are held at zero."""
 
     def __init__(self, robot: ClosedLoopRobot, frequency: float) -> None:
         model = robot.model
@@ -181,12 +181,12 @@ class _MoreConstraints:
         self._held = np.eye(model.nv)[held]
         self.count = self._equations.rows + len(held)
         self._frequency, self._data, self._rest = frequency, model.createData(), np.zeros(model.nv)
-        # Accelerations of uniform motions, without those of free fall.
+        # Accelerations at zero joint acceleration, without free fall.
         self._model = model.copy()
         self._model.gravity = pin.Motion.Zero()
 
     def at(self, q: Array, v: Array) -> tuple[Array, Array]:
-        """Return the rows R, (m, nv), and what R times the accelerations must be, (m,)."""
+        """Return the rows R, (m, nv), and the required value of R times the accelerations, (m,)."""
         pin.computeJointJacobians(self._model, self._data, q)
         residuals, rows = self._equations.at(self._data, q)
         pin.rnea(self._model, self._data, q, v, self._rest)

@@ -1,4 +1,4 @@
-"""A plant integrated by SciPy's DOP853, the reference for integration errors."""
+"""A plant integrated with SciPy's DOP853, the reference for integration errors."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class DormandPrince(DrivenPlant):
         self._state = np.zeros(self._positions + self._joints)
 
     def start(self, positions: Array, speeds: Array) -> None:
-        """Put the robot into a state.
+        """Set the state.
 
         Positions (p,) [m, rad] and speeds (n,) of the coordinates.
         """
@@ -49,7 +49,7 @@ class DormandPrince(DrivenPlant):
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
         """Return positions (p,) and speeds (n,) after ``duration`` [s], or None.
 
-        Under constant forces of the motors (m,).
+        The forces of the motors (m,) are constant.
         """
         try:
             return self._parts(self._state) if self._advance(forces, duration) else None
@@ -89,9 +89,9 @@ class DormandPrince(DrivenPlant):
         return False
 
     def _event(self, i: int, forces: Array) -> Any:
-        """Return a function of time and state for a change of slip.
+        """Return an event function of time and state for a change of slip.
 
-        It passes zero, downward, where the slip of joint i changes.
+        It crosses zero downward when the slip of joint i changes.
         """
         slip = self._slip[i]
 
@@ -105,15 +105,15 @@ class DormandPrince(DrivenPlant):
         return event
 
     def _friction(self, i: int, state: Array, forces: Array) -> float:
-        """Friction that holds joint i."""
+        """Return the friction that holds joint i."""
         mass, net = self._balance(*self._parts(state), forces)
         return float(net[i] - mass[i] @ self._joint_accelerations(mass, net))
 
     def _switch(self, joints: list[int], forces: Array) -> None:
-        """Stop the joints that came to rest, and let those go that cannot be held any more."""
+        """Stop the joints that came to rest, and release those that friction cannot hold."""
         stopped = [i for i in joints if self._slip[i] != 0.0]
-        # At this very moment friction can still hold the others, and in the next it cannot, so the
-        # choice is not asked.
+        # At the time of the event friction can just hold the joint, but not a moment later.
+        # Therefore the joint is released here, and the general choice of slip is not used.
         directions = {
             i: np.sign(self._friction(i, self._state, forces))
             for i in joints

@@ -1,4 +1,4 @@
-"""Encoders: positions in counts, speeds as their differences."""
+"""Encoders: positions in counts, and speeds from their differences."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from psp3.errors import InvalidArray, InvalidValue
 
 
 class Encoder:
-    """What a drive sees of its joints, see ``encoder_resolution`` of :func:`simulate`.
+    """The readings that a drive has of its joints, see ``encoder_resolution`` of :func:`simulate`.
 
-    Of the first coordinates, one a resolution; the others are seen as they are.
+    There is one resolution for each of the first coordinates; the others are seen exactly.
     """
 
     def __init__(self, resolution: ArrayLike, period: float) -> None:
@@ -29,7 +29,7 @@ class Encoder:
     def read(self, positions: ArrayLike, speeds: ArrayLike) -> tuple[Array, Array]:
         """Return the positions (p,) and speeds (n,) that a controller sees.
 
-        Of a motion that diverges they may be no numbers.
+        In a motion that diverges they may be NaN.
         """
         seen, rates = as_floats("positions", positions, "(p,)"), as_floats("speeds", speeds, "(n,)")
         k = len(self._resolution)
@@ -43,7 +43,7 @@ class Encoder:
         return seen, rates
 
     def _counted(self, positions: Array, speeds: Array) -> tuple[Array, Array]:
-        # Of perfect encoders among others, and of motions that diverge.
+        # Divisions by zero come from perfect encoders among others, and from motions that diverge.
         with np.errstate(divide="ignore", invalid="ignore"):
             counted = np.where(
                 self._coarse,

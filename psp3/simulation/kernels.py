@@ -11,18 +11,18 @@ from psp3.control.controller import steer
 from psp3.dynamics.compiled_robot import advance
 
 WHOLE, NO_FORCE, LEFT_POSES, BEYOND_LIMITS = range(4)
-"""How a loop ended: it did not; the controller's forces were not finite; the robot left the poses
-it can take; an actuated joint left its limits.
+"""How a loop ended: it did not; the controller's forces were not finite; the robot left its
+reachable poses; an actuated joint left its limits.
 """
 
 
 class Wires(NamedTuple):
-    """What lies between controller and robot of m motors, with p positions and n speeds.
+    """The parts between a controller and a robot of m motors, p positions and n speeds.
 
     ``resolution`` (k,) of the encoders of the first coordinates, 0 for a perfect one, and their
-    ``last`` positions (k,); ``noise`` (N, p + n) what measurement adds to positions and speeds, or
-    (0, p + n); ``limit`` (m,) largest forces, infinite for none; ``low`` and ``high`` (p,) ends of
-    the joints; ``seen`` (p + n,) what the controller saw last.
+    ``last`` positions (k,); ``noise`` (N, p + n) of the measurement of positions and speeds, or (0,
+    p + n); ``limit`` (m,) largest forces, infinite for none; ``low`` and ``high`` (p,) ends of the
+    joints; ``seen`` (p + n,) the last values that the controller saw.
     """
 
     resolution: Array
@@ -35,7 +35,7 @@ class Wires(NamedTuple):
 
 
 class Track(NamedTuple):
-    """What happens, a row a sample.
+    """The record of a loop, one row per sample.
 
     ``t`` (N,) and ``desired`` (N, 3k) are given; ``states`` (N, p + n), forces ``asked`` for and
     ``applied`` (N, m) and what the controller ``wrote`` (N, w) are written.
@@ -58,9 +58,10 @@ def read_encoders(
     positions: Array,
     speeds: Array,
 ) -> None:
-    """Turn what is there into what encoders read: counts, and speeds as their differences.
+    """Turn the true state into encoder readings: counts, and speeds from their differences.
 
-    Of the first coordinates, one a resolution; ``last`` are the positions that were read before.
+    There is one resolution for each of the first coordinates; ``last`` are the previous readings of
+    positions.
     """
     for i in range(resolutions.size):
         resolution = resolutions[i]
@@ -91,13 +92,13 @@ def run(
     end: int,
     ending: Indices,
 ) -> int:
-    """Let a controller steer a robot from sample ``first`` up to ``end``.
+    """Run a controller and a robot from sample ``first`` up to ``end``.
 
-    ``state`` (p + n,) is where the robot is, changed in place; ``steps`` of integration in a
-    period; forces come late by ``delay`` periods. Return the number of samples whose force is
-    known, and write to ``ending`` (1,) why there are no more.
+    ``state`` (p + n,) is the robot's state, changed in place. A period has ``steps`` integration
+    steps, and forces are delayed by ``delay`` periods. Return the number of samples whose force is
+    known, and write to ``ending`` (1,) how the loop ended.
     """
-    # Taken out of the tables once: in the loop that would cost as much as a step of PD.
+    # Read from the tables once, because in the loop this would cost as much as a step of PD.
     resolutions, last, noise, limit, low, high, seen = wires
     times, wanted, states, asked, applied, wrote = track
     p, count, is_noisy = low.size, times.size, noise.shape[0] > 0

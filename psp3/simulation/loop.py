@@ -1,7 +1,7 @@
-"""The loop of controller and plant: in Python for any of them, compiled for those that offer that.
+"""The loop of controller and plant: in Python for any, compiled if both have tables.
 
-Both do the same: encoders, noise of measurement, limits of force, delay, drives, ends of the
-joints.
+Both versions have the same parts: encoders, measurement noise, force limits, delay, drives, and
+ends of the joints.
 """
 
 from __future__ import annotations
@@ -22,30 +22,31 @@ from psp3.simulation.plant import Plant
 from psp3.trajectories.motion import Motion
 
 CHUNK = 8000
-"""Steps of joints after which the compiled loop returns to Python, so that Ctrl-C ends it within a
-second: some 3 ms of the 3-PSP, and some tenths of a second of robots with many loops and friction.
+"""Number of steps times joints after which the compiled loop returns to Python, where Ctrl-C can
+end it. This takes about 3 ms for the 3-PSP, and some tenths of a second for robots with many loops
+and friction.
 """
 
 
 @dataclass(frozen=True)
 class Wiring:
-    """What lies between controller and robot.
+    """The parts between controller and robot.
 
     Parameters
     ----------
     period : float
         Control period [s].
     low, high : (p,) ndarray
-        Where a joint ends, and the loop with it.
+        Ends of the joints; the loop stops when a joint passes one.
     limit : (m,) ndarray
         Largest forces; infinite for none.
     resolution : (k,) ndarray
-        Of the encoders of the first k coordinates, 0 for perfect ones; the others are seen as they
-        are.
+        Resolution of the encoders of the first k coordinates, 0 for perfect ones; the others are
+        seen exactly.
     delay : int
-        Periods by which forces come late.
+        Number of periods by which forces are delayed.
     noise : (N, p + n) ndarray, optional
-        What measurement adds to positions and speeds at each sample.
+        Measurement noise on positions and speeds at each sample.
     """
 
     period: float
@@ -60,7 +61,7 @@ class Wiring:
 def unbounded(
     period: float, resolution: Array, delay: int = 0, noise: Array | None = None
 ) -> Wiring:
-    """Return a wiring without ends of the joints and limits of force."""
+    """Return a wiring without ends of the joints and without force limits."""
     infinite = np.full(len(resolution), np.inf)
     return Wiring(period, -infinite, infinite, infinite, resolution, delay, noise)
 
@@ -68,8 +69,8 @@ def unbounded(
 class Ended(NamedTuple):
     """How a loop ended.
 
-    The number of ``samples`` whose force is known, ``why`` there are no more, the ``state``
-    (p + n,) reached, and what the controller ``returned`` last where that was no force.
+    It holds the number of ``samples`` whose force is known, ``why`` it ended, the last ``state`` (p
+    + n,), and the value that the controller ``returned`` last if that was not a force.
     """
 
     samples: int
@@ -81,9 +82,9 @@ class Ended(NamedTuple):
 def new_track(
     t: Array, desired: Motion, numbers_said: int = 0, widths: tuple[int, int] | None = None
 ) -> Track:
-    """Return what a loop fills in, for a motion desired at times t (N,).
+    """Return an empty track for a loop, for a desired motion at times t (N,).
 
-    ``widths`` are those of a state and of the motors' forces, if they are not 2n and n.
+    ``widths`` are the sizes of a state and of the motors' forces, if they are not 2n and n.
     """
     count, n = desired.positions.shape
     state, motors = (2 * n, n) if widths is None else widths
@@ -94,9 +95,9 @@ def new_track(
 
 
 def new_wires(wiring: Wiring, width: int) -> Wires:
-    """Return a wiring as compiled loops take it, whose encoders have read nothing yet.
+    """Return a wiring for compiled loops, whose encoders have no reading yet.
 
-    ``width`` is that of a state, p + n.
+    ``width`` is the size of a state, p + n.
     """
     noise = np.empty((0, width)) if wiring.noise is None else wiring.noise
     return Wires(
@@ -117,28 +118,29 @@ def compiled_loop(
     last: int | None = None,
     wires: Wires | None = None,
 ) -> Ended:
-    """Let a controller steer a plant, compiled.
+    """Run a controller and a plant in the compiled loop.
 
     Parameters
     ----------
     controller : NamedTuple
         Table of a controller.
     plant : CompiledPlant
-        What has ``robot``, a table, ``drives`` and ``steps``: what ``robot.compiled_steps`` makes.
+        A plant with ``robot``, a table, ``drives`` and ``steps``, as ``robot.compiled_steps`` makes
+        it.
     wiring, track
-        What lies between them, and what is filled in.
+        The parts between them, and the record to fill in.
     state : (p + n,) ndarray
-        Where the robot is at the first sample.
+        State of the robot at the first sample.
     first : int
-        That sample; those before are filled in already.
+        Index of the first sample; those before are already filled in.
     progress : callable, optional
-        Called with the number of samples that are done.
+        Called with the number of finished samples.
     every : int
-        After so many it is called, too.
+        Number of samples between calls of ``progress``.
     last : int, optional
-        The sample before which the loop pauses, the state being that of this sample.
+        The sample before which the loop pauses; ``state`` is then that of this sample.
     wires : Wires, optional
-        Those of the loop that is gone on with, which remember what encoders read last.
+        Wires of a paused loop that continues; they hold the last encoder readings.
     """
     count, joints = len(track.t) if last is None else last, len(wiring.low)
     state, ending = np.array(state), np.array([WHOLE])
@@ -169,17 +171,17 @@ def python_loop(
     finite_force: Callable[[object], Array | None],
     after: Callable[[int], None],
 ) -> Ended:
-    """Let any controller steer any plant.
+    """Run any controller and any plant in Python.
 
     Parameters
     ----------
     controller, plant, wiring, track, state
-        As of :func:`compiled_loop`, but for the controller and the plant, which are objects; what
-        the controller says of itself is not filled in.
+        As for :func:`compiled_loop`, but controller and plant are objects, and the controller's
+        reports are not filled in.
     desired : Motion
         The desired motion, (N, n) each.
     finite_force : callable
-        Returns what a controller returned as forces (n,), or None if it is none.
+        Converts a controller's return value to forces (n,), or to None if it is not a force.
     after : callable
         Called with each sample after its force is known.
     """
@@ -192,7 +194,7 @@ def python_loop(
         row = track.states[k]
         row[:p], row[p:] = positions, speeds
         seen = row if wiring.noise is None else row + wiring.noise[k]
-        # The controller gets copies of its own: what it does to them changes nothing here.
+        # The controller gets copies, which it may change.
         returned = controller.torque(times[k], *encoder.read(seen[:p], seen[p:]), now)
         force = finite_force(returned)
         if force is None:
@@ -214,8 +216,8 @@ def python_loop(
 
 
 def _is_between(low: list[float], values: list[float], high: list[float]) -> bool:
-    """Whether none of the values is outside its limits, nor NaN.
+    """Return whether all values are within their limits and none is NaN.
 
-    For three numbers faster than arrays.
+    For three numbers this is faster than arrays.
     """
     return all(map(operator.le, low, values)) and all(map(operator.le, values, high))

@@ -28,33 +28,32 @@ METRICS = (
     "diverged",
     "end_time",
 )
-"""Names of what :func:`measured` measures."""
+"""Names of the metrics of :func:`measured`."""
 
 
 def measured(result: Result, samples: int, limits: tuple[Array, Array]) -> dict[str, float]:
-    r"""Return the figures of merit of a run of any robot, which may have ended before its time.
+    r"""Return the figures of merit of a run of any robot, which may have ended early.
 
     Parameters
     ----------
     result : Result
         A simulation.
     samples : int
-        Number of samples of a whole run.
+        Number of samples of a complete run.
     limits : tuple of (p,) ndarray
         Lowest and highest positions of the joints.
 
     Returns
     -------
     dict of float
-        By name, in the order of ``METRICS``: sum of squared errors at one sample per 0.05 s and its
-        integral over time, root mean square of the error over the run and over its second half
-        (``settled_error``), and the largest error of a joint, of joints [m or rad]; root mean
-        square and largest error of the tip [m], NaN of a robot without one; effort
-        :math:`\int \lVert\tau\rVert^2 dt` and largest force of a motor [N or N m]; share of the
-        steps inside the trained range, and of those that fell back on the average over the rules;
-        1 if a joint left its limits; 1 if the run diverged, that is ended before its time or with
-        forces that are not finite; the time when it ended [s]. Errors and forces of runs that
-        diverged are NaN.
+        Metrics by name, in the order of ``METRICS``. Of the joint errors [m or rad]: the sum of
+        squares at one sample per 0.05 s, the integral of squares over time, the root mean square
+        over the run and over its second half (``settled_error``), and the largest error of a joint.
+        Of the tip [m]: root mean square and largest error, NaN without a tip. Effort :math:`\int
+        \lVert\tau\rVert^2 dt` and largest force of a motor [N or N m]. The share of steps inside
+        the trained range, and the share that fell back on the average over the rules. 1 if a joint
+        left its limits. 1 if the run diverged, which means that it ended early or with forces that
+        are not finite. The time when it ended [s]. Errors and forces of runs that diverged are NaN.
     """
     count = len(result.t)
     diverged = count < samples or not count or not np.isfinite(result.torque).all()
@@ -75,7 +74,7 @@ def measured(result: Result, samples: int, limits: tuple[Array, Array]) -> dict[
     outside = (result.positions < lower) | (result.positions > upper)
     shares = [_share(flags, count) for flags in (result.covered, result.fell_back)]
     if result.covered is None and count:
-        # A controller that was not trained has no range to leave, and nothing to fall back on.
+        # An untrained controller has no range to leave and no fallback.
         shares = [1.0, 0.0]
     values += [*shares, float(outside.any()), float(diverged)]
     return dict(zip(METRICS, [*values, float(result.t[-1]) if count else 0.0], strict=True))
@@ -93,8 +92,8 @@ def sum_of_squared_errors(result: Result, sampling_period: float = THESIS_SAMPLI
     result : Result
         A simulation.
     sampling_period : float
-        Time between the samples that are summed [s]. 0.05 s makes the PD row, which is its sag and
-        nothing else, come out as printed.
+        Time between the summed samples [s]. With 0.05 s the PD row, which is only its sag, has the
+        printed value.
 
     Returns
     -------
@@ -156,6 +155,6 @@ def largest_tip_error(result: Result) -> float:
 
 
 def _errors(result: Result) -> Array:
-    """Return the errors of the coordinates of which a motion is desired, which are the first."""
+    """Return the errors of the coordinates with a desired motion, which come first."""
     wanted = result.desired.positions
     return wanted - result.positions[..., : wanted.shape[-1]]

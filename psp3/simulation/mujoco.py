@@ -1,10 +1,10 @@
 """MuJoCo as a plant.
 
-What a controller steers in :func:`psp3.simulate` is the exported robot in another engine.
+In :func:`psp3.simulate` a controller then controls the exported robot in another engine.
 
-Nothing of it is computed here. The loops are MuJoCo's constraints, and so are the ends of the
-joints and dry friction; the motors and what they can at most are MuJoCo's, too. Needs the extra
-``mujoco``: ``pip install 'psp3[mujoco]'``.
+MuJoCo computes everything. The loops, the ends of the joints and dry friction are its constraints,
+and the motors with their force limits are MuJoCo's, too. This needs the extra ``mujoco``: ``pip
+install 'psp3[mujoco]'``.
 """
 
 from __future__ import annotations
@@ -31,34 +31,33 @@ from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from psp3.robots.mjcf_export import HARD, UNLIMITED, mujoco_state, to_mjcf
 
 LARGEST_GAP = 1e-3
-"""Loops that are open by more than this are taken for torn [m; of a 6D closure also the sine of
-half an angle].
+"""A loop that is open by more than this counts as torn [m; for a 6D closure also the sine of half
+an angle].
 """
 
 
 class MuJoCo(Described):
     r"""A robot in MuJoCo, integrated with its classical Runge–Kutta steps.
 
-    Closures, ends of joints and dry friction are MuJoCo's constraints: critically damped springs of
-    a time constant of two steps :math:`h`. Their violation falls with :math:`h^2`;
+    Closures, ends of joints and dry friction are MuJoCo's constraints: critically damped springs
+    with a time constant of two steps :math:`h`. Their violation falls with :math:`h^2`;
     ``docs/engines.md`` has numbers.
 
     Parameters
     ----------
     robot : ClosedLoopRobot
-        Any robot with or without loops, floating ones too.
+        Any robot, with or without loops, also a floating one.
     steps : int
-        Steps of MuJoCo in a control period.
+        Number of MuJoCo's steps in a control period.
     drive : Drive or sequence of Drive
         Friction and motors of the actuated joints, one for all or one for each.
     limits : pair of (m,) array_like, optional
-        Where the actuated joints are stopped, lowest and highest positions [m or rad]; by default
-        the limits of the model. The simulation ends when a nut of the 3-PSP is beyond its screw, so
-        stops that it is to run into lie within the stroke. All other joints keep the limits of the
-        model.
+        Positions of the stops of the actuated joints, lowest and highest [m or rad]; by default the
+        limits of the model. The simulation ends when a nut of the 3-PSP leaves its screw, so stops
+        must lie within the stroke to have an effect. All other joints keep the limits of the model.
     torque_limit : float or (m,) array_like, optional
         Largest absolute forces of the motors [N or N m]; by default the effort limits of the model.
-        The ``torque`` of a result is what the controller asked for.
+        The ``torque`` of a result is the controller's, before this limit.
 
     Raises
     ------
@@ -117,9 +116,10 @@ class MuJoCo(Described):
             model.dof_damping[driven] += table[:, 1]
             model.dof_frictionloss[driven] += table[:, 2]
         model.dof_solref[driven], model.dof_solimp[driven] = HARD
-        # A state that MuJoCo finds bad ends the simulation; its own answer would be to begin anew.
+        # A state that MuJoCo finds bad ends the simulation; by default MuJoCo would reset instead.
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
-        # What follows from inertia, and is kept in the model, knows of the motors only now.
+        # The model holds values that follow from inertia; they are updated now to include the
+        # motors.
         mujoco.mj_setConst(model, self.data)
 
     def __getstate__(self) -> dict[str, Any]:
@@ -131,9 +131,9 @@ class MuJoCo(Described):
 
     @property
     def gap(self) -> float:
-        """By how much the loops were open in the last step at most [m].
+        """The greatest opening of a loop in the last step [m].
 
-        Of a 6D closure also the sine of half an angle.
+        For a 6D closure also the sine of half an angle.
         """
         return float(np.abs(self.data.efc_pos[: self.data.ne]).max(initial=0.0))
 
@@ -141,7 +141,7 @@ class MuJoCo(Described):
         return {"robot": self._robot, "steps": self._steps}
 
     def start(self, positions: Array, speeds: Array) -> None:
-        """Put the robot into a state; positions (p,) and speeds (n,) of the coordinates."""
+        """Set the state; positions (p,) and speeds (n,) of the coordinates."""
         q, v = self._robot.configuration(positions), self._robot.velocity(positions, speeds)
         self._engine.mj_resetData(self.model, self.data)
         self.data.qpos[:], self.data.qvel[:] = mujoco_state(self._robot, q, v)
@@ -149,15 +149,15 @@ class MuJoCo(Described):
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
         """Return positions (p,) and speeds (n,) of the coordinates after ``duration`` [s].
 
-        Under constant forces of the motors (m,). None if MuJoCo warns of a bad state, or a loop is
-        torn.
+        The forces of the motors (m,) are constant. None is returned if MuJoCo warns of a bad state,
+        or if a loop is torn.
         """
         forces = one_row("forces", forces, self.model.nu)
         duration, warnings = checked_positive("duration", duration), list[str]()
         self.model.opt.timestep = duration / self._steps
-        # MuJoCo passes over a force beyond this with a warning, as if there were none.
+        # MuJoCo ignores a force beyond this, with a warning.
         self.data.ctrl[:] = np.clip(forces, -UNLIMITED, UNLIMITED)
-        # Warnings would be printed, and written to a file in the working directory.
+        # Otherwise warnings are printed, and written to a file in the working directory.
         handler = self._engine.get_mju_user_warning()
         self._engine.set_mju_user_warning(warnings.append)
         try:
@@ -185,9 +185,10 @@ class MuJoCo(Described):
         return number
 
     def _state_of_base(self, base: str) -> tuple[Array, Array]:
-        """Return place and quaternion (7,) of the floating base, and its twist in its axes (6,).
+        """Return position and quaternion (7,) of the floating base, and its twist in its axes (6,).
 
-        MuJoCo counts its place from the world, and its velocity in the axes of the world.
+        MuJoCo gives the position relative to the world, and the linear velocity in the world's
+        axes.
         """
         number = self._joint(base)
         at, first = self.model.jnt_qposadr[number], self.model.jnt_dofadr[number]
@@ -200,7 +201,7 @@ class MuJoCo(Described):
 
 
 def _floating_base(robot: ClosedLoopRobot) -> tuple[str | None, tuple[str, ...]]:
-    """Return the floating base of a robot, if it has one, and its other coordinates."""
+    """Return the floating base of a robot, or None, and its other coordinates."""
     if len(robot.reference) == len(robot.coordinates_v):
         return None, robot.coordinates
     base = robot.coordinates[-1]

@@ -1,4 +1,4 @@
-"""What a simulation needs of a plant, and what plants with drives have in common."""
+"""The interface of a plant, and the common parts of plants with drives."""
 
 from __future__ import annotations
 
@@ -30,20 +30,20 @@ NO_POSE = (
     JointLimitExceeded,
     SingularConfiguration,
 )
-"""What robots raise for a state that is none of theirs, once a state has been accepted."""
+"""Errors that robots raise during a motion for a state that they cannot take."""
 
 
 class Plant(Protocol):
-    """What the simulation needs of a plant."""
+    """The interface that the simulation needs from a plant."""
 
     def start(self, positions: Array, speeds: Array) -> None:
-        """Put the robot into a state."""
+        """Set the state."""
         ...
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
-        """Return positions and speeds after some time under constant forces.
+        """Return positions and speeds after a time under constant forces.
 
-        None if the robot left the poses it can take.
+        It is None if the robot left its reachable poses.
         """
         ...
 
@@ -51,7 +51,7 @@ class Plant(Protocol):
 class DrivenPlant(Described):
     """A robot with drives in Python, in its coordinates.
 
-    What is common to the ways to integrate it. Forces are those of the motors.
+    It is the common part of all integrators. Forces are those of the motors.
     """
 
     def __init__(self, robot: Robot, drive: Drive | Sequence[Drive]) -> None:
@@ -61,7 +61,7 @@ class DrivenPlant(Described):
         self._joints, self._positions = len(robot.coordinates_v), len(robot.reference)
         self._driven = robot.drives_of_coordinates(drive)
         self._drives = self._driven.coordinates.copy()
-        # The joints' own friction, too, can hold them.
+        # The joints' own friction can hold them, too.
         self._own_friction = np.array(robot.model.upperDryFrictionLimit[robot.coordinates_v])
         self._followers = np.setdiff1d(self._driven.joints, robot.coordinates_v)
         self._states = StateAfterState(robot)
@@ -80,7 +80,7 @@ class DrivenPlant(Described):
         return speeds
 
     def _take_dry_friction(self, q: Array) -> Array:
-        """Take the dry friction at a pose; return the levers of the drives elsewhere, (n, w)."""
+        """Set the dry friction at a pose; return levers of drives not at coordinates, (n, w)."""
         dry, follows = self._kernels.DRY, self._driven.follows
         if not follows.size:
             return np.empty((self._joints, 0))
@@ -92,19 +92,19 @@ class DrivenPlant(Described):
         return levers
 
     def _sliding_friction(self, speeds: Array) -> Array:
-        """Return the dry friction of drives elsewhere that follow several coordinates, (w,)."""
+        """Return the dry friction of drives that several coordinates move, (w,)."""
         friction = self._driven.elsewhere[:, self._kernels.DRY] * np.sign(speeds)
         return np.where(self._driven.follows >= 0, 0.0, friction)
 
     def _along(self, q: Array, forces: Array) -> Array:
-        """Return what the motors' forces (m,) do along the coordinates, (n,)."""
+        """Return the forces along the coordinates, (n,), of the motors' forces (m,)."""
         if self._robot.drives_coordinates:
             return forces
         along: Array = self._robot.actuation_matrix(q) @ forces
         return along
 
     def _rates(self, q: Array, v: Array) -> Array:
-        """Return the rates of the positions (p,), which are speeds but of a floating base."""
+        """Return the rates of the positions (p,), which are speeds except for a floating base."""
         if len(q) == len(v):
             return v
         whole, speeds = self._whole(q), np.zeros(self._robot.model.nv)
@@ -112,19 +112,19 @@ class DrivenPlant(Described):
         return self._tree_rates(whole, speeds)[self._robot.coordinates_q]
 
     def _normalized(self, q: Array) -> Array:
-        """Return positions whose quaternion is of unit length."""
+        """Return positions with a quaternion of unit length."""
         if self._positions == self._joints:
             return q
         return self._tree_rates.normalized(self._whole(q))[self._robot.coordinates_q]
 
     def _whole(self, q: Array) -> Array:
-        """Return a configuration with these coordinates, the others wherever they are."""
+        """Return a configuration with these coordinates; other joints have arbitrary positions."""
         whole = self._robot.q0.copy()
         whole[self._robot.coordinates_q] = q
         return whole
 
     def _balance(self, q: Array, v: Array, forces: Array) -> tuple[Array, Array]:
-        """Return M + J, and what is left of the forces for acceleration and dry friction."""
+        """Return M + J, and the forces that remain for acceleration and dry friction."""
         inertia, viscous, _ = self._drives.T
         mass = self._states.ask(self._robot.mass_matrix, q) + np.diag(inertia)
         net = (
@@ -139,20 +139,20 @@ class DrivenPlant(Described):
         return mass, net
 
     def _elsewhere(self, q: Array, v: Array) -> tuple[Array, Array]:
-        """Return what drives at no coordinate add to M, and how they brake uniform motions."""
+        """Return the mass of drives not at coordinates, and their forces at zero acceleration."""
         robot, driven, levers = self._robot, self._driven, self._take_dry_friction(q)
         whole, all_speeds = robot.configuration(q), robot.velocity(q, v)
         inertia, viscous, _ = driven.elsewhere.T
         speeds = v @ levers
         forces = inertia * (robot.drift(whole, all_speeds) @ driven.columns) + viscous * speeds
         forces += self._sliding_friction(speeds)
-        # What holds followers is not to be in the joints' forces, too.
+        # Friction that holds passive joints must not be counted again in the joints' forces.
         followers = self._joint_speeds(q)[:, self._followers]
         own = robot.model.upperDryFrictionLimit[self._followers] * np.sign(v @ followers)
         return (levers * inertia) @ levers.T, levers @ forces - followers @ own
 
     def _accelerations(self, q: Array, v: Array, forces: Array) -> Array:
-        """Return the derivative of v while the slip of the joints is constant."""
+        """Return the derivative of v while the joints' slip is constant."""
         if self._is_driven:
             return self._joint_accelerations(*self._balance(q, v, forces))
         accelerations: Array = self._states.ask(
@@ -166,7 +166,7 @@ class DrivenPlant(Described):
         return out
 
     def _choose_slip(self, q: Array, v: Array, speeds: Array, forces: Array) -> None:
-        """Find out which joints stick, and which way the others slip."""
+        """Determine which joints stick, and the direction in which the others slip."""
         if self._kernels.slip_of(self._drives, speeds, self._slip):
             self._kernels.choose_slip(
                 *self._balance(q, v, forces), self._drives, speeds, self._slip

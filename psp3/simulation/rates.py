@@ -1,4 +1,4 @@
-"""How coordinates of joints change with their speeds, which are not always the same."""
+"""Rates of joint coordinates as a function of joint speeds, which may differ."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ from psp3.checks import Array
 
 
 class RatesOfConfiguration:
-    r"""The rates of a tree's configuration, as Pinocchio counts it.
+    r"""The rates of a tree's configuration in Pinocchio's coordinates.
 
-    Of a quaternion :math:`h` they are :math:`\tfrac12 h \circ \omega` with the angular velocity in
-    its own axes, of the position of a floating base its velocity turned into those of its parent,
-    of an angle as cosine and sine its speed across. All others are speeds.
+    For a quaternion :math:`h` they are :math:`\tfrac12 h \circ \omega` with the angular velocity in
+    the body's axes. For the position of a floating base they are its velocity rotated into the axes
+    of the parent. For an angle given as cosine and sine they are the speed times the perpendicular
+    vector. All others are the speeds.
 
     Parameters
     ----------
@@ -63,6 +64,6 @@ class RatesOfConfiguration:
 
 
 def _turning(quaternion: Array, velocity: Array) -> Array:
-    """Return the rate of a quaternion (x, y, z, w) that turns about its own axes."""
+    """Return the rate of a quaternion (x, y, z, w) at an angular velocity in body axes."""
     turned = pin.Quaternion(quaternion) * pin.Quaternion(0.0, *velocity)
     return 0.5 * np.asarray(turned.coeffs())

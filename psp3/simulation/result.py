@@ -1,4 +1,4 @@
-"""Result of a simulation: samples, and the file that keeps them."""
+"""Result of a simulation: samples, and their file."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from psp3.simulation.array_files import LARGEST, arrays_of
 from psp3.trajectories.motion import Motion
 
 FORMAT = "psp3-result-2"
-"""Written into every result file; a file with another mark is refused."""
+"""Format mark of result files; a file with another mark is refused."""
 
 JOINTS = -1
-"""Stands for the number of actuated joints in a shape."""
+"""Placeholder for the number of actuated joints in a shape."""
 
 POSITIONS = "heights"
-"""What positions are called in files, which are older than robots other than the 3-PSP."""
+"""Name of positions in files, from the time when the 3-PSP was the only robot."""
 
 _ARRAYS: dict[str, tuple[int, ...]] = {
     "t": (),
@@ -32,14 +32,14 @@ _ARRAYS: dict[str, tuple[int, ...]] = {
     "torque": (JOINTS,),
     "tip": (3,),
 }
-"""What every result holds: shape of a sample."""
+"""Arrays of every result: shape of a sample."""
 
 _DESIRED = tuple(f"desired_{POSITIONS if name == 'positions' else name}" for name in Motion._fields)
-"""What every result holds of the desired motion, in the order of its fields."""
+"""Arrays of the desired motion in every result, in the order of its fields."""
 
 _OWN_WIDTH = (POSITIONS, "torque", _DESIRED[0])
-"""What may be of any width. Speeds are as many as positions, or one less where a base floats; all
-else is as wide as what it belongs to.
+"""Arrays of any width. There are as many speeds as positions, or one less with a floating base;
+every other array has the width of the one it belongs to.
 """
 
 REPORTED: dict[str, tuple[tuple[int, ...], type]] = {
@@ -47,31 +47,33 @@ REPORTED: dict[str, tuple[tuple[int, ...], type]] = {
     "fell_back": ((), np.bool_),
     "torque_interval": ((JOINTS, 2), np.float64),
 }
-"""What a controller may say of its last call: shape and type of each."""
+"""Reports that a controller may give on its last call: shape and type of each."""
 
 
 @dataclass(frozen=True, repr=False)
 class Result(Described):
-    """What happened in a simulation, sampled at every control period.
+    """The course of a simulation, sampled at every control period.
 
     Parameters
     ----------
     t : (N,) ndarray
         Times, from 0 [s].
     positions, speeds : (N, n) ndarray
-        Positions of the actuated joints and their speeds [m or rad, per s]; of the 3-PSP nut
-        heights. Of a robot whose coordinates are not its motors these, (N, p) and (N, n).
+        Positions of the actuated joints and their speeds [m or rad, per s]; nut heights for the
+        3-PSP. If a robot's coordinates are not its motors, those of the coordinates, (N, p) and (N,
+        n).
     desired : Motion
-        Desired ``.positions .speeds .accelerations``, each (N, n), and ``.tip`` (N, 3); of such a
+        Desired ``.positions .speeds .accelerations``, each (N, n), and ``.tip`` (N, 3); for such a
         robot those of the first k coordinates, which the motors command.
     torque : (N, n) ndarray
         Forces of the actuated joints applied from each sample on [N], at revolute joints torques [N
         m]. As motor torques: ``drive.motor_torque(result.torque)``.
     tip : (N, 3) ndarray
-        Tip in base axes [m]; of another robot its frame ``tip``, and NaN if it has none.
+        Tip in base axes [m]; for robots other than the 3-PSP the frame ``tip``, and NaN without
+        one.
     covered, fell_back : (N,) ndarray of bool, optional
         Whether the controller was inside its trained range, and whether it fell back on its
-        average; of controllers that say so.
+        average; only for controllers that report this.
     torque_interval : (N, n, 2) ndarray, optional
         Torque as the fuzzy number that was defuzzified, see
         :attr:`psp3.FuzzyComputedTorque.torque_interval` [N].
@@ -102,11 +104,11 @@ class Result(Described):
 
     @property
     def heights(self) -> Array:
-        """The positions, by their name of the 3-PSP."""
+        """The positions, under their name for the 3-PSP."""
         return self.positions
 
     def save(self, path: str | Path) -> Path:
-        """Write the result to an ``.npz`` file, all at once, and return its path.
+        """Write the result to an ``.npz`` file and return its path.
 
         Parameters
         ----------
@@ -125,7 +127,7 @@ class Result(Described):
 
 
 def _largest(numbers: Array) -> float | None:
-    """Return the largest of the numbers, or None where there is none or they are no numbers."""
+    """Return the largest number, or None if there is none or a value is not a number."""
     largest = float(np.abs(numbers).max()) if numbers.size else np.nan
     return largest if np.isfinite(largest) else None
 
@@ -142,7 +144,8 @@ def load_result(path: str | Path, largest: int = LARGEST) -> Result:
     path : path
         The ``.npz`` file.
     largest : int
-        Bytes that its arrays may take; a compressed file may hold a thousand times its own size.
+        Limit of the bytes of its arrays, because a compressed file can hold a thousand times its
+        own size.
 
     Returns
     -------
@@ -151,8 +154,8 @@ def load_result(path: str | Path, largest: int = LARGEST) -> Result:
     Raises
     ------
     InvalidResultFile
-        If the file is missing, truncated, of another kind or version, larger than asked for, or its
-        arrays do not fit together.
+        If the file is missing, truncated, of another kind or version, larger than ``largest``, or
+        if its arrays do not fit together.
     """
     path, largest = checked_path("path", path), checked_count("largest", largest)
     try:
@@ -196,7 +199,7 @@ def load_result(path: str | Path, largest: int = LARGEST) -> Result:
 
 
 def _widths(content: dict[str, Array]) -> dict[str, int]:
-    """Return how wide the arrays of a file must be, by name."""
+    """Return the required widths of a file's arrays, by name."""
     positions, motors, desired = (
         content[name].shape[-1] if content[name].ndim else JOINTS for name in _OWN_WIDTH
     )

@@ -1,8 +1,8 @@
-"""Plants: what the controller steers.
+"""Plants: the robots that a controller moves in a simulation.
 
-They take forces for a while and return the state that results.
+A plant takes forces for a time and returns the resulting state.
 
-Three plants integrate the same robot by independent routes, so that each checks the others:
+Three plants integrate the same robot in independent ways, so each checks the others:
 
 * :class:`RungeKutta`: classical Runge–Kutta steps of the coordinates, compiled; the one to use;
 * :class:`DormandPrince`: the coordinates under SciPy's DOP853 with tight tolerances; the reference
@@ -12,8 +12,8 @@ Three plants integrate the same robot by independent routes, so that each checks
 
 The state of the first two is that of the coordinates, so their loops cannot drift apart. They take
 any robot, floating ones too, and drives with friction and motor inertia, see :mod:`psp3.drives`.
-Integration goes from event to event of the dry friction: a joint comes to rest, or one at rest lets
-go. What happens and is undone within one step is not seen.
+Integration goes from event to event of the dry friction: a joint comes to rest, or one at rest
+starts to move. Two opposite events within one step are missed.
 """
 
 from __future__ import annotations
@@ -31,15 +31,15 @@ from psp3.simulation.plant import NO_POSE, DrivenPlant
 class RungeKutta:
     """The robot's coordinates, integrated with classical Runge–Kutta steps.
 
-    Compiled; in closed form where the robot is a 3-PSP.
+    The steps are compiled, and use the closed form for the 3-PSP.
 
     Parameters
     ----------
     robot : Robot
         The robot.
     steps : int
-        Integration steps in a control period. One step of 2 ms is exact to 1e-12 m on the thesis's
-        helix.
+        Integration steps in a control period. One step of 2 ms is accurate to 1e-12 m on the
+        thesis's helix.
     drive : Drive or sequence of Drive
         Friction and motor inertia of all actuated joints, or of each.
     """
@@ -48,7 +48,7 @@ class RungeKutta:
         self, robot: Robot, steps: int = 1, drive: Drive | Sequence[Drive] = NO_DRIVE
     ) -> None:
         self.compiled = robot.compiled_steps(steps, drive)
-        """The compiled plant, which compiled loops take themselves."""
+        """The compiled plant, which compiled loops use directly."""
 
     def start(self, positions: Array, speeds: Array) -> None:
         """Put the robot into a state.
@@ -67,10 +67,10 @@ class RungeKutta:
 
 
 class FixedSteps(DrivenPlant):
-    """Classical Runge–Kutta steps, cut where a joint comes to rest or lets go.
+    """Classical Runge–Kutta steps, divided where a joint comes to rest or starts to move.
 
-    As :func:`psp3.dynamics.driven_steps.advance_driven`, in Python. The state are q and v, of which
-    the coordinates are those at ``_places`` and ``_rows``.
+    The Python counterpart of :func:`psp3.dynamics.driven_steps.advance_driven`. The state is q and
+    v; the coordinates are their entries at ``_places`` and ``_rows``.
     """
 
     def __init__(self, robot: Robot, steps: int, drive: Drive | Sequence[Drive]) -> None:
@@ -100,7 +100,7 @@ class FixedSteps(DrivenPlant):
             return None
 
     def _is_pose(self) -> bool:
-        # A state is refused where it is reached, not in the next period.
+        # A bad state is refused when it is reached, not in the next period.
         configuration = self._states.ask(self._robot.configuration, self.q)
         return bool(np.isfinite(configuration).all() and np.isfinite(self.v).all())
 
@@ -121,9 +121,9 @@ class FixedSteps(DrivenPlant):
         )
 
     def _margin(self, q: Array, v: Array, forces: Array) -> float:
-        """Return what is left until a joint comes to rest or lets go.
+        """Return the margin until a joint comes to rest or starts to move.
 
-        In its speed or N; negative once it has happened.
+        It is a speed or a force [N], and negative after the event.
         """
         margins = (self._slip * v[self._rows])[self._is_dry & (self._slip != 0.0)].tolist()
         sticking = np.flatnonzero(self._slip == 0.0)
@@ -137,14 +137,14 @@ class FixedSteps(DrivenPlant):
         return float(min(margins, default=np.inf))
 
     def _first_event(self, forces: Array, step: float) -> float:
-        """Return the time of the first event in a step that has one: just after it, to rounding."""
+        """Return a time just after the first event in a step that has one."""
         from scipy.optimize import brentq
 
         def margin(time: float) -> float:
             return self._margin(*self._step(forces, time), forces)
 
-        # A joint that has just let go has no margin at first, so that a time must be found when it
-        # has.
+        # A joint that has just started to move has no margin at first, so the search needs a later
+        # time at which it has one.
         late, rounding = step, self._kernels.RESOLUTION * step
         while margin(0.5 * late) < 0.0:
             late *= 0.5
@@ -156,7 +156,7 @@ class FixedSteps(DrivenPlant):
         return float(time)
 
     def _advance(self, forces: Array, step: float) -> None:
-        """Take one step, in as many parts as it has events."""
+        """Take one step, divided at its events."""
         left = step
         for event in range(self._kernels.MOST_EVENTS + 1):
             self._choose_slip(self.q, self.v, self.v[self._rows], forces)

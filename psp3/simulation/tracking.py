@@ -1,6 +1,6 @@
 """Simulate a robot under a controller.
 
-It is called once a control period, and its force is held in between.
+The controller is called once a control period, and its force is held in between.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from psp3.trajectories.motion import Motion, check_stroke, completed
 from psp3.trajectories.trajectory import Trajectory
 
 MOST_STEPS = 10**8
-"""More samples than that do not fit into memory."""
+"""Greatest number of samples that fits into memory."""
 
 
 def simulate(
@@ -62,47 +62,46 @@ def simulate(
     Parameters
     ----------
     robot : Robot
-        The robot that is simulated, with n actuated joints. Of one whose coordinates are not its
-        motors the state are its coordinates, positions (p,) and speeds (n,); forces are those of
-        its m motors; and the motion is that of the k coordinates that they command, which are the
-        first ones, while the others follow.
+        The robot to simulate, with n actuated joints. If its coordinates are not its motors, the
+        state is that of the coordinates, positions (p,) and speeds (n,); forces are those of its m
+        motors; and the desired motion is that of the first k coordinates, which the motors command,
+        while the others are passive.
     controller : Controller
-        Called at every control period, at the end of the simulation too; its force is held until
+        Called at every control period, also at the end of the simulation; its force is held until
         the next call. If it has attributes ``covered``, ``fell_back`` or ``torque_interval``, the
         result has them for every sample.
     trajectory : Trajectory
-        The desired motion of the k commanded coordinates, which are n as a rule.
+        The desired motion of the k commanded coordinates; usually k is n.
     duration : float
         Time to simulate [s]; the last sample is the last whole control period in it.
     period : float
         Control period [s]; 2 ms is the thesis's real-time budget.
     initial_positions, initial_speeds : (p,), (n,) array_like, optional
-        Where the robot starts [m], [m/s]; by default on the trajectory, coordinates that follow
-        where they are in the reference pose, at rest.
+        Initial positions and speeds [m], [m/s]; by default on the trajectory and at rest, with
+        passive coordinates as in the reference pose.
     torque_limit : float or (m,) array_like, optional
-        Largest absolute force of a joint [N]; a controller that asks for more gets this much. Of a
-        motor torque: ``drive.force(1.27)``.
+        Largest absolute force of a joint [N], to which the controller's force is limited. For a
+        motor torque use ``drive.force(1.27)``.
     encoder_resolution : float or (k,) array_like
-        Travel of a joint from one count of its encoder to the next [m or rad]; 0, a perfect one, by
-        default. Otherwise the controller sees positions rounded to counts, and as speeds the
-        differences of the last two positions over the period, as a drive without a tachometer does:
+        Travel of a joint per count of its encoder [m or rad]; by default 0, a perfect encoder.
+        Otherwise the controller sees positions rounded to counts. The speeds that it sees are
+        differences of the last two positions over the period, as in a drive without a tachometer:
         half a period late, in steps of the resolution over the period, and 0 at the first sample.
     delay : int
-        Whole control periods by which forces come late, for the time that measuring, computing and
-        transmitting take. The first force acts from the start until the second arrives.
+        Number of control periods by which forces are delayed, for the time of measurement,
+        computation and transmission. The first force acts from the start until the second arrives.
     plant : Plant, optional
-        What integrates the robot, see :mod:`psp3.simulation.runge_kutta`; ``RungeKutta(robot)`` by
-        default.
+        The integrator of the robot, see :mod:`psp3.simulation.runge_kutta`; ``RungeKutta(robot)``
+        by default.
     clearance : float, optional
-        Least distance that links must keep from each other along the desired motion [m]; not looked
-        at by default.
+        Least distance between links along the desired motion [m]; not checked by default.
     progress : callable, optional
         Called with the simulated time after every hundredth of the steps.
 
     Returns
     -------
     Result
-        What happened, not what the controller saw of it; ``torque`` is what was applied, after
+        The true motion, not the one that the controller saw; ``torque`` is the applied force, after
         limit and delay.
 
     Raises
@@ -110,15 +109,15 @@ def simulate(
     InvalidValue, InvalidArray
         If an argument is malformed.
     UnreachableTip, UnreachablePose, ClosureFailed
-        If the robot cannot make the desired motion, or start where it is to.
+        If the robot cannot make the desired motion, or cannot take the initial state.
     JointLimitExceeded, StrokeExceeded, CollisionFound
         For the same reason.
     InvalidTorque
-        If the controller returns something else than m finite numbers.
+        If the controller does not return m finite numbers.
     SimulationDiverged
         If a nut runs off its screw or another actuated joint leaves its limits, an arm runs off its
-        ball joint, the loops cannot be closed any more, or the numbers overflow. This error and the
-        one before it carry time, state and torque, and the part simulated so far as
+        ball joint, the loops cannot be closed any more, or the numbers overflow. This error and
+        ``InvalidTorque`` hold time, state and torque, and the part simulated so far as
         ``error.result``.
     """
     checked_robot(robot)
@@ -132,7 +131,7 @@ def simulate(
         if not is_left_out and (isinstance(given, type) or not hasattr(given, question)):
             raise InvalidValue(name, given, f"a {name}, with a method {question}")
     duration, period = checked_positive("duration", duration), checked_positive("period", period)
-    # The small excess keeps rounding from losing the last of 5200 periods of 2 ms in 10.4 s.
+    # The small excess keeps the last of 5200 periods of 2 ms in 10.4 s in spite of rounding.
     check_periods(duration, period, MOST_STEPS)
     steps = int(duration / period * (1.0 + 1e-12) + 1e-9)
     if steps < 1:
@@ -178,7 +177,7 @@ def simulate(
 
 
 class _Experiment:
-    """A loop about to run, and what becomes of it in words."""
+    """A loop to run, and the errors for the ways in which it can end."""
 
     def __init__(
         self,
@@ -200,7 +199,7 @@ class _Experiment:
         self._track = new_track(t, desired, said, widths)
 
     def run(self, state: Array) -> Result:
-        """Return what happens from a state (p + n,) on, or raise why it ends before its time."""
+        """Return the result from a state (p + n,) on, or raise the reason for an early end."""
         self._controller.reset()
         compiled = self._plant.compiled if type(self._plant) is RungeKutta else None
         table = None
@@ -220,7 +219,7 @@ class _Experiment:
         )
         self._reported = controller.take(table, track.wrote[: ended.samples])  # type: ignore[attr-defined]
         if ended.why == NO_FORCE:
-            # It says itself why.
+            # Called again in Python, because the controller may raise an error with the reason.
             k, seen = ended.samples, np.asarray(ended.returned)
             now = Motion(*(array[k] for array in self._desired))
             returned = controller.torque(float(track.t[k]), seen[:p].copy(), seen[p:].copy(), now)
@@ -255,7 +254,7 @@ class _Experiment:
         )
 
     def _tell(self, sample: int) -> None:
-        """Tell how far it is, at every hundredth of the steps."""
+        """Report progress at every hundredth of the steps."""
         is_due = 0 < sample < len(self._track.t) and sample % self._every == 0
         if self._progress is not None and is_due:
             self._progress(float(self._track.t[sample]))
@@ -295,9 +294,9 @@ class _Experiment:
 
 
 def _tips(robot: Robot, positions: Array) -> Array:
-    """Return the tip at the positions reached, NaN where there is none.
+    """Return the tip at the given positions, NaN where there is none.
 
-    Another engine than ours may go through a pose that is none here.
+    Another engine may pass through a pose that this package cannot close.
     """
     try:
         return robot.tip(positions)
@@ -311,7 +310,7 @@ def _finite_row(values: object, width: int) -> Array | None:
     """Return ``values`` as finite floats of shape (width,), or None."""
     try:
         array = np.asarray(values, dtype=np.float64)
-        # Infinite entries of opposite sign make NaN, so one sum sees every bad number.
+        # Infinite entries of opposite sign add up to NaN, so one sum detects every bad number.
         return array if array.shape == (width,) and math.isfinite(sum(array.tolist())) else None
     except (TypeError, ValueError):
         return None

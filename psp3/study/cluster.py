@@ -16,19 +16,19 @@ from psp3.checks import checked_kind
 from psp3.errors import InvalidValue, SchedulerUnavailable
 
 PROTOCOLS = ("tcp", "tls", "ws", "wss")
-"""What dask speaks over the network."""
+"""Network protocols that dask uses."""
 
 PATIENCE = 30.0
-"""How long to wait for an answer of the scheduler, which may be busy [s]."""
+"""How long to wait for the scheduler to answer; it may be busy [s]."""
 
 FIRST_WORKER = 5.0
 """How long to wait for the first worker of a scheduler that has answered [s]."""
 
 SILENCE = 60.0
-"""How long a scheduler may give no answer until it counts as lost [s]."""
+"""A scheduler that is silent for longer than this counts as lost [s]."""
 
 ASKED_AGAIN = 5.0
-"""How old the number of threads of a cluster may be until its scheduler is asked anew [s]."""
+"""How long a cluster's thread count is reused before the scheduler is asked again [s]."""
 
 
 def package_version() -> str:
@@ -49,23 +49,23 @@ def connected(
     address : str
         Where the scheduler listens, ``tcp://host:port``.
     version : callable
-        Returns what must be the same here and on each worker.
+        Returns a value that must be the same here and on each worker.
     one_thread : bool
         Whether workers must have one thread each.
 
     Yields
     ------
     executor, workers
-        The executor, and a function that tells how many runs the cluster does at a time.
+        The executor, and a function that returns how many runs the cluster does at a time.
 
     Raises
     ------
     InvalidValue
-        If this is no address.
+        If ``address`` is not a valid address.
     SchedulerUnavailable
-        If there is no scheduler, which a refused connection tells at once and silence in half a
-        minute, or it has no workers, or they have another version of psp3, none, or too many
-        threads.
+        If there is no scheduler: a refused connection shows this at once, silence in half a minute.
+        Also if the scheduler has no workers, or if the workers lack psp3, have another version of
+        it, or have too many threads.
     """
     host, port = host_and_port(address)
     try:
@@ -78,18 +78,18 @@ def connected(
         raise SchedulerUnavailable(address, reason) from error
     make_client: Any = distributed.Client
     try:
-        # Dask would try again and again; this tells at once whether anything listens there.
+        # Dask would retry for a long time; this fails at once if nothing listens there.
         socket.create_connection((host, port), PATIENCE).close()
         _shake_hands(address)
         client = make_client(address, timeout=PATIENCE, set_as_default=False)
     except Exception as error:
-        # Anything can come of talking to what is no scheduler.
+        # A server that is not a scheduler can answer anything, so any exception is possible.
         reason = f"cannot be reached ({_in_one_line(error)}); start one with: dask scheduler"
         raise SchedulerUnavailable(address, reason) from error
     with _quiet(), client:
         _check_workers(client, address, version, one_thread)
-        # Impure, because equal calls would share one result, and a run that was lost could come
-        # back as that of another.
+        # Impure, because dask would share one result among equal calls, and a lost run could come
+        # back with the result of another one.
         executor = client.get_executor(pure=False)
         try:
             yield executor, _Capacity(client)
@@ -99,9 +99,9 @@ def connected(
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep dask from logging at length what an error of ours says in a line.
+    """Keep dask from logging at length what one of our errors says in a line.
 
-    That the connection was lost.
+    The message is that the connection was lost.
     """
     loggers = [logging.getLogger(name) for name in ("distributed.client", "tornado.application")]
     levels = [logger.level for logger in loggers]
@@ -117,10 +117,11 @@ def _quiet() -> Iterator[None]:
 class _Capacity:
     """How many runs a cluster does at a time.
 
-    Workers come and go, so its scheduler is asked now and then; nobody waits for the answer, since
-    results are to be kept meanwhile.
+    Workers come and go, so the scheduler is asked now and then. Nobody waits for its answer,
+    because results must be saved in the meantime.
 
-    Raises ``CancelledError`` when the connection is gone for good, or the scheduler is silent.
+    A call raises ``CancelledError`` when the connection is lost for good, or the scheduler is
+    silent.
     """
 
     def __init__(self, client: Any) -> None:
@@ -149,7 +150,7 @@ class _Capacity:
 
 
 def host_and_port(address: object) -> tuple[str, int]:
-    """Return where a scheduler listens; raise :class:`InvalidValue` if something is no address."""
+    """Return a scheduler's host and port; raise :class:`InvalidValue` if the address is invalid."""
     checked_kind("scheduler", address, str, "an address such as tcp://host:8786")
     assert isinstance(address, str)
     try:
@@ -163,9 +164,9 @@ def host_and_port(address: object) -> tuple[str, int]:
 
 
 def _shake_hands(address: str) -> None:
-    """Connect as dask does, but not without end.
+    """Connect as dask does, but with a time limit.
 
-    Its client waits forever for the greeting of what is no scheduler.
+    Dask's client waits forever for the greeting of a server that is not a scheduler.
     """
     import distributed
 
@@ -178,7 +179,7 @@ def _shake_hands(address: str) -> None:
         )
         comm.abort()
 
-    # In a thread, because a notebook has an event loop of its own running in this one.
+    # In another thread, because a notebook already runs an event loop in this one.
     with ThreadPoolExecutor(1) as thread:
         thread.submit(asyncio.run, greet()).result()
 
@@ -194,7 +195,7 @@ def _check_workers(client: Any, address: str, version: Callable[[], str], one_th
     try:
         versions = client.run(version)
     except Exception as error:
-        # Whatever goes wrong on the way to a worker, a module that it lacks above all.
+        # Most often a module that the worker lacks, but any failure on the worker ends up here.
         reason = (
             f"a worker cannot run psp3 ({_in_one_line(error)}); install psp3 {here} on every worker"
         )
@@ -212,7 +213,7 @@ def _check_workers(client: Any, address: str, version: Callable[[], str], one_th
         if threads != 1:
             raise SchedulerUnavailable(
                 address,
-                f"worker {worker} has {threads} threads, and what is timed wants one; start "
+                f"worker {worker} has {threads} threads, but timed work needs one; start "
                 f"workers with: dask worker --nthreads 1 --nworkers {threads} {address}",
             )
 

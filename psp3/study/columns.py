@@ -10,26 +10,26 @@ from typing import Any, overload
 from psp3.study.run import DEFAULTS, Run, Value, field_types, values_of
 
 AT_A_TIME = 10_000
-"""Runs whose values become columns at a time."""
+"""Number of runs that are turned into columns at a time."""
 
 Column = Sequence[Value]
 
 
 class RunColumns(Sequence[Run]):
-    """Many runs, field by field; a run is made when it is asked for.
+    """Many runs, stored field by field; a ``Run`` object is made on access.
 
     Parameters
     ----------
     columns : mapping of str to sequence
-        Values of each field in the order of the runs, or the one value that all of them have;
-        fields that are left out are at their defaults.
+        Values of each field in the order of the runs, or the one value that all runs share. Fields
+        that are left out have their defaults.
     count : int
         Number of runs N.
 
     Attributes
     ----------
     columns : dict of str to sequence
-        Of every field N values, or one.
+        For every field, N values or one.
     """
 
     def __init__(self, columns: Mapping[str, Column], count: int) -> None:
@@ -49,7 +49,7 @@ class RunColumns(Sequence[Run]):
 
     @classmethod
     def joined(cls, parts: Sequence[RunColumns]) -> RunColumns:
-        """Return the runs of all parts, one part after the other; equal values are one object."""
+        """Return the runs of all parts in order; equal values share one object."""
         columns: dict[str, Column] = {}
         for name in field_types():
             firsts = [part.columns[name][:2] for part in parts]
@@ -64,7 +64,7 @@ class RunColumns(Sequence[Run]):
 
     @property
     def differing(self) -> tuple[str, ...]:
-        """Names of the fields that are not the same in all runs."""
+        """Names of the fields whose values differ between runs."""
         return tuple(name for name, column in self.columns.items() if len(column) > 1)
 
     def column(self, name: str) -> Column:
@@ -73,7 +73,7 @@ class RunColumns(Sequence[Run]):
         return column if len(column) == self._count else list(column) * self._count
 
     def taken(self, places: Sequence[int]) -> RunColumns:
-        """Return the runs at these places."""
+        """Return the runs with these indices."""
         taken: dict[str, Column] = dict(self.columns)
         for name in self.differing:
             found: Any = itemgetter(*places)(self.columns[name])
@@ -118,7 +118,7 @@ def blocks_of(runs: Iterable[Run]) -> Iterator[RunColumns]:
 
 
 def _shared(column: Column) -> Column:
-    """Return the one value of a column whose values are all the same, or the column."""
+    """Return the common value of a column if all values are equal, otherwise the column."""
     if len(column) < 2:
         return column
     first = column[0]

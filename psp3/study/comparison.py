@@ -43,13 +43,13 @@ class Comparison:
     ----------
     cases : sequence of Run
         What runs of different controllers and seeds have in common: runs whose controller and seed
-        count for nothing.
+        are ignored.
     controllers : sequence of str
         Names of the controllers.
     seeds : int
         Number of seeds, from 0 on.
     table : Table
-        Results of all of them, of canonical runs; those that no seed changes are there once.
+        Results of all runs in canonical form; a run that does not depend on the seed is there once.
     """
 
     def __init__(
@@ -64,14 +64,14 @@ class Comparison:
         }
 
     def values(self, case: Run, controller: str, metric: str = "sum_of_squared_errors") -> Array:
-        """Return a metric of all seeds, (seeds,); NaN where a run diverged.
+        """Return a metric for all seeds, (seeds,); NaN where a run diverged.
 
         Raises
         ------
         UnknownName
             If there is no such metric.
         InvalidValue
-            If this was not compared.
+            If the case or the controller is not part of this comparison.
         """
         check_metric(metric)
         runs = (
@@ -104,16 +104,16 @@ class Comparison:
     ) -> Estimate:
         """Return the ratio of a controller's mean to that of another one.
 
-        Its interval is from seeds in pairs.
+        The interval pairs the runs of equal seed.
         """
         return ratio_of_means(
             self.values(case, controller, metric), self.values(case, baseline, metric)
         )
 
     def best(self, case: Run, metric: str = "sum_of_squared_errors") -> tuple[str, ...]:
-        """Return the controller of the least mean, and those not shown to be worse.
+        """Return the controller with the smallest mean, and those not shown to be worse.
 
-        None that ever diverged.
+        Controllers that diverged in any run are left out.
         """
         safe = [name for name in self.controllers if not self.values(case, name, "diverged").any()]
         if not safe:
@@ -128,7 +128,7 @@ class Comparison:
     def markdown(self, metric: str = "settled_error", scale: float = 1e3) -> str:
         """Return a table of means, a line for each case and a column for each controller.
 
-        The :meth:`best` are bold.
+        The :meth:`best` controllers are bold.
         """
         lines = self._heading(self.controllers)
         for case in self.cases:
@@ -158,7 +158,7 @@ class Comparison:
         return "\n".join(lines)
 
     def in_words(self, case: Run) -> str:
-        """Return what a case is."""
+        """Describe a case in words."""
         driven = ", driven" if case.coulomb_friction or case.viscous_friction else ""
         words = f"{case.payload:g} kg, {_path(case)}, {records_in_words(case)}{driven}"
         return words if self._one_robot else f"{case.robot}, {words}"
@@ -182,7 +182,7 @@ class Comparison:
 
 
 def records_in_words(case: Run) -> str:
-    """Return what the rules of a case are learned from."""
+    """Describe in words the records that the rules of a case are learned from."""
     return "exact records" if case.snr_db == math.inf else f"records of {case.snr_db:g} dB"
 
 

@@ -1,4 +1,4 @@
-"""The controller of a run: from its name to an object that steers."""
+"""Make the controller of a run from its name."""
 
 from __future__ import annotations
 
@@ -28,22 +28,23 @@ from psp3.study.paths import names_of_paths, path_named
 from psp3.study.run import ADAPTIVE, FUZZY, Run
 
 INTEGRAL_SHARE = 0.3
-"""Integral gain of ``ctc-integral`` as a share of kp kv, above which the loop is not stable: 3 1/s³
-with the gains of Table 6.1.
+"""Integral gain of ``ctc-integral`` as a share of kp kv; the loop is unstable above a share of 1.
+With the gains of Table 6.1 the gain is 3 1/s³.
 """
 
 ACCEPTABLE_ERROR, ACCEPTABLE_SPEED_ERROR = 0.01, 0.1
-"""Errors that the regulators weigh like forces (Bryson's rule) [m or rad, per s]."""
+"""Errors that cost the regulators as much as the forces below (Bryson's rule) [m or rad, per s]."""
 
 REGULATOR_FORCES = {"lqr": 1.0, "lqr-stiff": 10.0}
-"""Forces of the 3-PSP's motors that the regulators weigh like these errors [N]. The first makes a
-stiffness of 99 N/m, and computed torque has 93 N/m. Those of another robot's motors are that many
-times the ones which computed torque has for these errors.
+"""Motor forces of the 3-PSP that cost the regulators as much as these errors [N]. The first gives a
+stiffness of 99 N/m; computed torque has 93 N/m. For another robot, these numbers are factors on the
+forces that computed torque exerts for these errors.
 """
 
 
 ONE_AT_A_TIME = threading.RLock()
-"""Held while a robot that threads share computes its frames, which Pinocchio does in one memory."""
+"""Held while a robot that threads share computes its frames, because Pinocchio writes them to one
+shared buffer."""
 
 
 class WithIntegral(ComputedTorque):
@@ -64,7 +65,7 @@ class WithIntegral(ComputedTorque):
         self._integral, self._last = 0.0, None
 
     def torque(self, t: float, positions: Array, speeds: Array, desired: Any) -> Array:
-        """Return the forces (n,) [N or N m], and go on with the integral."""
+        """Return the forces (n,) [N or N m], and update the integral."""
         error = desired.positions - positions[: len(desired.positions)]
         if self._last is not None:
             self._integral = self._integral + 0.5 * (t - self._last[0]) * (error + self._last[1])
@@ -81,12 +82,12 @@ class WithIntegral(ComputedTorque):
 
 
 class WithNoisyModel:
-    """A controller whose model's numbers are noisy, for the compiled loop alone.
+    """A controller with noise on its model's numbers; it works in the compiled loop only.
 
     Parameters
     ----------
     controller : controller
-        One whose table has ``added``.
+        A controller whose table has the field ``added``.
     added : (N, K) ndarray
         What is added to the upper triangle of M, C and G at each sample.
     """
@@ -97,14 +98,14 @@ class WithNoisyModel:
         self.reset, self.take = controller.reset, getattr(controller, "take", None)
 
     def table(self, robot: Any, widths: Widths) -> NamedTuple:
-        """Return the controller's table with what is added."""
+        """Return the controller's table with the noise added."""
         make = getattr(self._controller, "table", lambda robot, widths: None)
         table = make(robot, widths)
         if table is None or not hasattr(table, "added"):
             raise InvalidValue(
                 "reading",
                 "online",
-                f"another one for {type(self._controller).__name__}, whose M, C and G are its own",
+                f"another one for {type(self._controller).__name__}, which has its own M, C and G",
             )
         noisy: NamedTuple = table._replace(added=self._added)
         return noisy
@@ -127,8 +128,8 @@ def controller_of(run: Run, robot: Any) -> Controller:
     Raises
     ------
     InvalidValue
-        If the named object cannot be imported or is no controller, or the robot is none for this
-        one.
+        If the named object cannot be imported or is not a controller, or if the controller does not
+        work for this robot.
     fuzzy2.errors.InvalidValue, fuzzy2.errors.UnsupportedRule, UnusableEstimate
         If the rules cannot be learned.
     """
@@ -172,14 +173,14 @@ def gains_of(run: Run, robot: Any) -> dict[str, Any]:
 
 
 def noise_of(run: Run) -> RecordNoise:
-    """Return what the signal-to-noise ratio of a run means on a record."""
+    """Return the noise on a record that the run's signal-to-noise ratio stands for."""
     return RecordNoise(run.snr_reference, run.noisy_entries, run.reading == "inputs")
 
 
 def trained(run: Run, robot: Any, rng: np.random.Generator) -> FuzzyComputedTorque:
-    """Return the trained controller of a run of a fuzzy one.
+    """Return the trained fuzzy controller of a run.
 
-    ``rng`` is the source of the noise on what is recorded.
+    ``rng`` is the source of the noise on the record.
     """
     variation = (
         float(mean_variation_from_snr(run.snr_db))
@@ -219,11 +220,11 @@ def _of_place(run: Run, robot: Any) -> Any:
         raise InvalidValue(
             "controller",
             run.controller,
-            f"the module and name of something that can be imported here ({error}); a file is, if "
-            "its directory is in PYTHONPATH, and on a cluster every worker needs it",
+            f"the module and name of an object that can be imported ({error}); put the directory "
+            "of a file into PYTHONPATH, and on a cluster do so on every worker",
         ) from error
     if isinstance(maker, type) and is_estimator(maker):
-        # An estimator knows nothing of robots.
+        # An estimator does not take the robot, so it is called without arguments.
         return _estimated(run, robot, maker())
     made = maker(robot)
     if is_estimator(made):
@@ -232,8 +233,8 @@ def _of_place(run: Run, robot: Any) -> Any:
         raise InvalidValue(
             "controller",
             run.controller,
-            "what makes of a robot a controller with reset() and torque(t, positions, speeds, "
-            "desired), or an estimator with fit(X, Y) and predict(X)",
+            "a callable that takes the robot and returns a controller with reset() and torque(t, "
+            "positions, speeds, desired), or an estimator with fit(X, Y) and predict(X)",
         )
     return made
 
@@ -247,12 +248,12 @@ def _estimated(run: Run, robot: Any, estimator: Any) -> EstimatedComputedTorque:
     )
 
 
-# The same for many runs of a study, and more costly than a run.
+# Cached, because many runs of a study share a robot and loading one costs more than a run.
 
 
 @lru_cache(maxsize=8)
 def robot_named(name: str, parameters: str = "default") -> Any:
-    """Return a robot, the same one in every call."""
+    """Return a robot, the same object in every call."""
     return load(name, parameters=parameters) if name == "psp3" else load(name)
 
 

@@ -3,8 +3,9 @@ r"""A grid of runs: how well alarms detect that a robot has left its training co
 False alarms, detections and delays, measured.
 
 The question is whether the type-2 torque interval is a good monitor
-(:mod:`psp3.fuzzy_control.monitor`). It is compared with signals that are as easily had; each has a
-monitor of its own, with a threshold learned from the same training runs in the same way.
+(:mod:`psp3.fuzzy_control.monitor`). It is compared with other signals that are just as easy to
+compute. Each signal has its own monitor, whose threshold is learned in the same way from the same
+training runs.
 
 ========  ==========================================================================================
 signal    what it is
@@ -18,10 +19,10 @@ residual  force of the last period that the rules do not explain by the motion t
           low-pass filtered [N]
 ========  ==========================================================================================
 
-The rules are learned on a helix of 12 mm. Training and held-out runs are helices within that, of
-random radius, speed, phase and initial error. After half of the time something happens in the other
-runs: the robot is driven twice as fast, or out to 22 mm, within a second, so that it leaves the
-region that was learned; or a payload is attached, with which it stays inside.
+The rules are learned on a helix of 12 mm radius. Training and held-out runs follow helices within
+it, of random radius, speed, phase and initial error. The other runs have an event at half time. In
+two of the events the robot leaves the learned region: within a second it is driven twice as fast,
+or out to 22 mm. In the others a payload is attached, and the robot stays inside the region.
 """
 
 from __future__ import annotations
@@ -57,16 +58,16 @@ DURATION = 10.0
 """Length of the runs [s]."""
 
 GAINS = (100.0, 20.0)
-"""Of the servo, critically damped: with the soft ones of Table 6.1 initial errors ring for longer
-than these runs.
+"""Servo gains, critically damped: with the soft gains of Table 6.1 initial errors ring for longer
+than these runs last.
 """
 
 RESIDUAL_LAG = 0.05
 """Time constant of the filter of the residual [s]."""
 
 TRAINING, HELD_OUT, FASTER, WIDER = "training", "held out", "faster", "wider"
-"""What runs are for: to learn thresholds from, to count false alarms in, and two departures from
-what the rules were learned for.
+"""Purposes of runs: to learn thresholds, to count false alarms, and two departures from the
+conditions that the rules were learned under.
 """
 
 PATHS = {
@@ -113,15 +114,17 @@ def _error(controller: FuzzyComputedTorque, run: Watched) -> Array:
 
 
 def _residual(controller: FuzzyComputedTorque, run: Watched) -> Array:
-    """Low-pass filter the vector before its length is taken.
+    """Return the length of the low-pass filtered residual.
 
-    Noise of measurement would not average out of the length.
+    The vector is filtered before its length is taken, because measurement noise does not average
+    out of a length.
     """
     a, v = (0.5 * (x[1:] + x[:-1]) for x in (run.heights, run.speeds))
     M, C, G = controller.estimate(a, v)
     rise = np.diff(run.speeds, axis=0) / np.diff(run.t)[:, np.newaxis]
     missed = run.torque[:-1] - np.einsum("nij,nj->ni", M, rise) - np.einsum("nij,nj->ni", C, v) - G
-    # Nothing is known before the first period is over, and zero is what is expected.
+    # There is no measurement before the first period is over, so the residual starts at its
+    # expected value, zero.
     missed = np.concatenate([np.zeros((1, 3)), missed])
     lowpass = Monitor(time_constant=RESIDUAL_LAG)
     return np.asarray(
@@ -141,23 +144,23 @@ SIGNALS: dict[str, Callable[[FuzzyComputedTorque, Watched], Array]] = {
 
 @dataclass(frozen=True)
 class Detection:
-    """How well one signal did.
+    """How well one signal detects the events.
 
     Parameters
     ----------
     signal : str
         Name of the signal.
     threshold : float
-        What its monitor learned, in the unit of the signal.
+        Threshold that its monitor learned, in the unit of the signal.
     false_alarms : Estimate
         Share of the held-out runs with an alarm, with its 95 % interval.
     detected : dict of str to Estimate
-        By event, the share of runs in which an alarm came on after it.
+        By event, the share of runs with an alarm after the event.
     delay : dict of str to Estimate
-        By event, the median time from it to the first alarm of these runs [s].
+        By event, the median time from the event to the first alarm in these runs [s].
     excess : dict of str to float
-        By event, the median over the runs of the greatest value of the filtered signal after it, in
-        units of the threshold.
+        By event, the greatest value of the filtered signal after the event, in units of the
+        threshold; the median over the runs.
     """
 
     signal: str
@@ -183,17 +186,17 @@ def detect(
     Parameters
     ----------
     seeds : int
-        Number of training runs, of held-out runs, and of runs with each event; all of them are
-        different.
+        Number of training runs, of held-out runs, and of runs with each event; no two runs share a
+        seed.
     payloads : sequence of float
-        Masses that are attached, an event each [kg].
+        Masses that are attached, one event each [kg].
     kind, snr_db, learner, mean_variation
-        Of the controller, see :class:`psp3.FuzzyComputedTorque`; the mean variation is by default
-        that for records of 20 dB, or of ``snr_db`` if they are noisier.
+        Parameters of the controller, see :class:`psp3.FuzzyComputedTorque`. The default mean
+        variation is the one for records of 20 dB, or of ``snr_db`` if that is noisier.
     monitor : Monitor, optional
-        What its parameters are taken from; those of ``Monitor()`` by default.
+        Monitor whose parameters are used; ``Monitor()`` by default.
     workers : int, optional
-        Number of threads; that of the processors by default. The result does not depend on it.
+        Number of threads; the number of processors by default. The result does not depend on it.
 
     Returns
     -------
@@ -203,7 +206,7 @@ def detect(
     Raises
     ------
     InvalidValue, UnknownName
-        If an argument is not what it must be.
+        If an argument is invalid.
     """
     count = checked_count("seeds", seeds, 2)
     masses = [checked_positive("payloads", payload) for payload in payloads]
@@ -252,9 +255,9 @@ def detect(
 
 
 def markdown(found: Sequence[Detection]) -> str:
-    """Return a table of what :func:`detect` found.
+    """Return the results of :func:`detect` as a Markdown table.
 
-    Shares of runs, and median delays of those in which it was detected.
+    The cells are shares of runs, and the median delay of the runs in which the event was detected.
     """
     events = list(found[0].detected)
     lines = [
@@ -287,17 +290,17 @@ def watched_run(
     learner: str = "strongest",
     mean_variation: float | None = None,
 ) -> Run:
-    """Return a run to be watched.
+    """Return a run for the monitors to watch.
 
     Parameters
     ----------
     what : str or float
-        What it is for: ``"training"``, ``"held out"``, ``"faster"`` or ``"wider"``, or the mass
-        that is attached to the star in it [kg].
+        Purpose of the run: ``"training"``, ``"held out"``, ``"faster"`` or ``"wider"``, or the mass
+        that is attached to the star [kg].
     seed : int
-        Of path, initial errors and noise of measurement.
+        Seed of the path, the initial errors and the measurement noise.
     kind, snr_db, learner, mean_variation
-        Of the controller, which is the same one in all runs, see :func:`detect`.
+        Parameters of the controller, which is the same in all runs, see :func:`detect`.
 
     Raises
     ------
@@ -333,7 +336,7 @@ def watched_run(
 
 
 def watch(run: Run) -> Watched:
-    """Do a run, and return what its controller saw of it."""
+    """Do a run, and return what its controller saw."""
     samples = simulate_run(run)
     result, n = samples.result, samples.result.positions.shape[1]
     seen = np.concatenate([result.positions, result.speeds], axis=1)
@@ -351,7 +354,7 @@ def watch(run: Run) -> Watched:
 
 
 def watched_controller(run: Run) -> FuzzyComputedTorque:
-    """Return the controller of a run that is watched, trained as it is there."""
+    """Return the trained controller of a watched run."""
     robot = robot_named(run.robot, run.parameters)
     return trained(run, robot, np.random.default_rng([run.learning_seed or 0, 0]))
 
@@ -363,7 +366,7 @@ def _signals(controller: FuzzyComputedTorque, run: Watched) -> tuple[Array, dict
 def _delay(t: Array, alarm: NDArray[np.bool_]) -> float:
     """Return the time from the event to the first alarm after it.
 
-    It is infinite if none comes on.
+    It is infinite if there is no alarm.
     """
     comes_on = alarm & ~np.concatenate([[False], alarm[:-1]]) & (t > EVENT)
     return float(t[np.argmax(comes_on)] - EVENT) if comes_on.any() else math.inf

@@ -15,15 +15,15 @@ from psp3.robots.robot import Robot
 from psp3.trajectories.motion import Motion
 
 SAMPLES = 209
-"""Samples that an estimator learns from, unless told otherwise."""
+"""Number of samples that an estimator learns from by default."""
 
 
 class PredictedComputedTorque(Stateless):
-    r"""Computed torque with M, C and G as something predicts them.
+    r"""Computed torque with predicted M, C and G; subclasses make the prediction.
 
     .. math:: \tau = \hat M (\ddot a_d + k_v \dot e + k_p e) + \hat C \dot a + \hat G
 
-    What is not finite, or has no positive definite M, is replaced by an average.
+    A prediction that is not finite, or whose M is not positive definite, is replaced by an average.
 
     Parameters
     ----------
@@ -33,9 +33,9 @@ class PredictedComputedTorque(Stateless):
     Attributes
     ----------
     average : (K,) ndarray
-        Upper triangle of M, then C and G: what takes the place of a prediction.
+        Upper triangle of M, then C and G; it takes the place of an unusable prediction.
     fell_back : bool
-        Whether it took that of the last one.
+        Whether it took the place of the last prediction.
     """
 
     average: Array
@@ -48,7 +48,7 @@ class PredictedComputedTorque(Stateless):
         raise NotImplementedError
 
     def estimate(self, positions: Array, speeds: Array) -> tuple[Array, Array, Array]:
-        """Return M (n, n), C (n, n) and G (n,) as they are used, at a state."""
+        """Return the M (n, n), C (n, n) and G (n,) that the controller uses at a state."""
         numbers = self.predicted(positions, speeds)
         M, C, G = unpack(numbers)
         self.fell_back = not (np.isfinite(numbers).all() and _is_positive_definite(M))
@@ -69,25 +69,26 @@ class PredictedComputedTorque(Stateless):
 class EstimatedComputedTorque(SaysNothing, PredictedComputedTorque):
     """Computed torque with M, C and G as an estimator predicts them.
 
-    An estimator has ``fit(X, Y)`` and ``predict(X)``, as those of scikit-learn have: X (N, p) are
-    the inputs of the robot's dynamics (:attr:`psp3.fuzzy_control.records.Record.inputs`), scaled to
-    mean 0 and deviation 1, and Y (N, K) the upper triangle of M, then C and G, scaled likewise.
-    Outside of the trained range the nearest inputs in it are taken, and the average of what was
-    learned takes the place of an M that is not positive definite, as of the fuzzy controllers.
+    An estimator has ``fit(X, Y)`` and ``predict(X)``, as in scikit-learn: X (N, p) are the inputs
+    of the robot's dynamics (:attr:`psp3.fuzzy_control.records.Record.inputs`), scaled to mean 0 and
+    deviation 1, and Y (N, K) the upper triangle of M, then C and G, scaled likewise. As with the
+    fuzzy controllers, inputs outside of the trained range are clamped to it, and the average of the
+    training data replaces a prediction whose M is not positive definite.
 
     Parameters
     ----------
     estimator : object
         The estimator.
     robot : Robot
-        The robot, of which nothing is asked but what its dynamics depend on.
+        The robot; only the inputs that its dynamics depend on are taken from it.
     kp, kv : float
         Gains of the servo [1/s², 1/s].
 
     Raises
     ------
     InvalidValue
-        If it is no estimator, or the robot's coordinates are not its motors.
+        If ``estimator`` has no ``fit`` and ``predict``, or the robot's coordinates are not its
+        motors.
     """
 
     def __init__(self, estimator: Any, robot: Robot, kp: float, kv: float) -> None:
@@ -122,7 +123,7 @@ class EstimatedComputedTorque(SaysNothing, PredictedComputedTorque):
         return self
 
     def predicted(self, positions: Array, speeds: Array) -> Array:
-        """Return what the estimator predicts (K,) at a state, in its own units."""
+        """Return the estimator's prediction (K,) at a state, in the units of M, C and G."""
         x = self._inputs.of(positions, speeds)
         nearest = np.clip(x, *self._range)
         self.covered = bool((nearest == x).all())
@@ -132,12 +133,12 @@ class EstimatedComputedTorque(SaysNothing, PredictedComputedTorque):
 
 
 def is_estimator(value: object) -> bool:
-    """Tell whether something has what estimators have."""
+    """Return whether an object has ``fit`` and ``predict``."""
     return all(callable(getattr(value, name, None)) for name in ("fit", "predict"))
 
 
 def scale_of(values: Array) -> tuple[Array, Array]:
-    """Return mean and deviation of each column; 1 for one that does not change."""
+    """Return mean and standard deviation of each column; a constant column gets deviation 1."""
     spread = values.std(axis=0)
     return values.mean(axis=0), np.where(spread > 0.0, spread, 1.0)
 

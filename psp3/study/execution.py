@@ -1,8 +1,8 @@
-"""How a run is done: its names become a robot, a motion, noise and a controller, and these samples.
+"""Execute a run: make its robot, motion, noise and controller from their names, and simulate.
 
 Robots, desired motions and records are the same for many runs of a study and cost more than a run,
-so they are kept. Each use of noise has a stream of its own, so that runs of one seed can be paired
-whatever else they draw.
+so they are kept. Each use of noise has its own stream of random numbers, so runs of one seed can be
+paired whatever else they draw.
 """
 
 from __future__ import annotations
@@ -41,25 +41,25 @@ PAYLOAD_PER_MISMATCH = 5.0
 """Payload of the 3-PSP at q abs(ε) = 1 [kg]."""
 
 _, OF_READING, OF_MEASUREMENT, OF_PATH, OF_PLANT_BESIDE = range(5)
-"""Streams of random numbers of a seed. Masses are drawn from that of the reading, unless it is one
-that draws at every sample.
+"""Names of the random streams of a seed. Masses are drawn from the stream of the reading, unless
+that reading draws at every sample.
 """
 
 
 @dataclass(frozen=True)
 class Samples:
-    """What :func:`simulate_run` returns.
+    """The samples that :func:`simulate_run` returns.
 
-    A result, which may end before its time, and what the controller said of itself.
+    They hold the result, which may end early, and the flags of the controller.
 
     Parameters
     ----------
     result : Result
         Samples of the run, with the flags of the controller.
     steps : int
-        Number of samples of a whole run.
+        Number of samples of a complete run.
     noise : (steps, p + n) ndarray, optional
-        What measurement added to positions and speeds.
+        Measurement noise on positions and speeds.
     """
 
     result: Result
@@ -70,7 +70,8 @@ class Samples:
 def execute(run: Run) -> dict[str, float]:
     """Do a run and return its metrics by name, see :func:`psp3.simulation.metrics.measured`.
 
-    A run goes on where a joint leaves its limits, as in the thesis there is no end to a screw.
+    A run continues when a joint leaves its limits, because the screws of the thesis have no end
+    stops.
 
     Parameters
     ----------
@@ -80,10 +81,10 @@ def execute(run: Run) -> dict[str, float]:
     Raises
     ------
     InvalidValue, UnknownName
-        As from :meth:`psp3.study.run.Run.check`, or if the controller is none for this robot or
-        reading.
+        As from :meth:`psp3.study.run.Run.check`, or if the controller does not work with this robot
+        or reading.
     StrokeExceeded
-        If the trajectory leaves the joints' limits in the duration.
+        If the trajectory leaves the joints' limits within the run's duration.
     InvalidRobotFile, UnknownRobot
         If the robot cannot be loaded.
     fuzzy2.errors.InvalidValue, fuzzy2.errors.UnsupportedRule, UnusableEstimate
@@ -101,8 +102,8 @@ def measure(samples: Samples, run: Run) -> dict[str, float]:
 def simulate_run(run: Run) -> Samples:
     """Simulate a run.
 
-    The loop is compiled and holds no interpreter lock, so threads run side by side; it is one in
-    Python where the robot or the controller cannot be compiled.
+    The loop is compiled and releases the interpreter lock, so threads run side by side. If the
+    robot or the controller cannot be compiled, the loop runs in Python.
 
     Parameters
     ----------
@@ -127,7 +128,8 @@ def simulate_run(run: Run) -> Samples:
     n, p = len(robot.coordinates_v), len(robot.reference)
     state = np.concatenate([completed(robot, desired.positions[0]), np.zeros(n)])
     if run.initial_error > 0.0 or run.initial_speed_error > 0.0:
-        # Beside the path, and not behind it from the first sample on.
+        # The robot starts at the desired speed, so it is beside the path but does not lag behind it
+        # from the first sample on.
         state[p : p + desired.speeds.shape[1]] = desired.speeds[0]
         errors = np.repeat([run.initial_error, run.initial_speed_error], [p, n])
         state += errors * drawn.standard_normal(p + n)
@@ -146,16 +148,16 @@ def simulate_run(run: Run) -> Samples:
 
 
 def desired_motion(run: Run, rng: np.random.Generator) -> tuple[Array, Motion]:
-    """Return the times of a run and the desired motion, which ``rng`` may draw."""
+    """Return the times of a run and its desired motion; ``rng`` draws random motions."""
     path = names_of_paths(run.robot)[0] if run.trajectory is None else run.trajectory
     settings = (path, run.robot, run.parameters, run.duration, run.period)
     return _moved(*settings, rng) if path in DRAWN else _kept_motion(*settings)
 
 
 def plants_of(run: Run, robot: Any) -> tuple[tuple[Any, int | None], ...]:
-    """Return the compiled plants of a run, each with the first sample of the next one.
+    """Return the compiled plants of a run, each with the sample at which the next plant begins.
 
-    None is the last one's: the payload is attached where the second begins.
+    The last plant has None. The second plant begins when the payload is attached.
     """
     stream = OF_PLANT_BESIDE if run.reading in ("measurement", "online") else OF_READING
     ratio = 10.0 ** (-run.snr_db / 20.0) if run.reading == "plant" else run.mass_mismatch
@@ -178,7 +180,7 @@ def plants_of(run: Run, robot: Any) -> tuple[tuple[Any, int | None], ...]:
 def mismatched(
     parameters: Parameters, ratio: float, payload: float, rng: np.random.Generator
 ) -> Parameters:
-    """Return parameters of a 3-PSP that are off by a ratio, with a payload on the star.
+    """Return parameters of a 3-PSP with random errors of a given ratio and a payload.
 
     Parameters
     ----------
@@ -213,7 +215,7 @@ def mismatched(
 
 
 def mismatched_robot(robot: Any, ratio: float, payload: float, rng: np.random.Generator) -> Any:
-    """Return any robot with bodies that are off by a ratio, and a payload at its frame ``tip``.
+    """Return a robot with random mass errors of a given ratio and a payload at its frame ``tip``.
 
     Parameters
     ----------
@@ -229,8 +231,8 @@ def mismatched_robot(robot: Any, ratio: float, payload: float, rng: np.random.Ge
     Returns
     -------
     ClosedLoopRobot
-        Mass and inertia of every body times one exp(q ε) each; the robot itself if nothing is to
-        change.
+        A robot whose bodies each have mass and inertia times one factor exp(q ε); the robot itself
+        if nothing changes.
 
     Raises
     ------
@@ -243,7 +245,8 @@ def mismatched_robot(robot: Any, ratio: float, payload: float, rng: np.random.Ge
     factors = np.exp(ratio * rng.standard_normal(model.njoints))
     for joint in range(1, model.njoints):
         body = model.inertias[joint]
-        # About the center of mass, as Pinocchio keeps it, inertia goes with mass.
+        # Pinocchio stores the inertia about the center of mass, where it is proportional to the
+        # mass.
         model.inertias[joint] = type(body)(
             body.mass * factors[joint], body.lever, body.inertia * factors[joint]
         )
@@ -259,7 +262,7 @@ def mismatched_robot(robot: Any, ratio: float, payload: float, rng: np.random.Ge
 
 
 def _noise(run: Run, count: int, p: int, n: int) -> tuple[Array | None, Array | None]:
-    """Return what is added to a model's numbers and to what is measured at each sample."""
+    """Return the noise on the model's numbers and on the measurements at each sample."""
     rng, ratio = np.random.default_rng([run.seed, OF_READING]), 10.0 ** (-run.snr_db / 20.0)
     added = measured = None
     if run.reading == "measurement" and run.snr_db < math.inf:
@@ -277,7 +280,7 @@ def _noise(run: Run, count: int, p: int, n: int) -> tuple[Array | None, Array | 
 
 
 class _Loop:
-    """The loop of a run, compiled where controller and robot offer that."""
+    """The control loop of a run, compiled if both controller and robot allow it."""
 
     def __init__(
         self, run: Run, robot: Any, controller: Any, wiring: Wiring, t: Array, desired: Motion
@@ -288,7 +291,7 @@ class _Loop:
         self._track = new_track(t, desired, getattr(controller, "numbers_said", 0), widths)
 
     def run(self, plants: tuple[tuple[Any, int | None], ...], state: Array) -> Result:
-        """Return what happens from a state on; less than the whole if the robot is lost."""
+        """Return the samples from a state on; fewer than all if the robot is lost."""
         controller, track, table = self._controller, self._track, None
         controller.reset()
         if hasattr(controller, "table"):
@@ -357,18 +360,18 @@ class _Loop:
 
 
 class _Plants:
-    """Plants one after the other, in Python: each from the sample on where the one before ends."""
+    """Plants in sequence, for the loop in Python: each starts where the one before ends."""
 
     def __init__(self, plants: tuple[tuple[Any, int | None], ...]) -> None:
         self._plants, self._sample = list(plants), 0
 
     def start(self, positions: Array, speeds: Array) -> None:
-        """Put the robot into a state."""
+        """Set the robot's state."""
         self._plants[0][0].start(positions, speeds)
         self._state = positions, speeds
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
-        """Return positions and speeds after some time under constant forces, or None."""
+        """Return the state after a time under constant forces, or None if the robot is lost."""
         plant, end = self._plants[0]
         if end is not None and self._sample >= end:
             self._plants.pop(0)
@@ -391,7 +394,7 @@ def _finite(returned: object) -> Array | None:
 
 
 def _tips(robot: Any, positions: Array) -> Array:
-    """Return the tip at the positions reached; NaN where the loops do not close."""
+    """Return the tip position at each sample; NaN where the loops do not close."""
     try:
         with ONE_AT_A_TIME:
             found: Array = robot.tip(positions)
@@ -407,7 +410,7 @@ def _kept_motion(
     rng = np.random.default_rng(0)
     t, motion = _moved(path, robot_name, parameters, duration, period, rng)
     for array in (t, *motion):
-        # Results of all runs hold them.
+        # The results of all runs share these arrays.
         array.setflags(write=False)
     return t, motion
 

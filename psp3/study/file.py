@@ -2,24 +2,25 @@
 
 What the file promises, and how:
 
-* Results are committed in groups. One is on disk within :data:`GROUP`, half a second, after it came
-  back, and what is on disk survives ``kill -9``, a full disk and a loss of power: a plain rollback
-  journal with full synchronization. Not a write-ahead log, whose rows would live in a second file
-  that a copy of the first forgets. So half a second of work is lost at worst, and is done again.
-* A row is there whole or not at all, and has a checksum of its setting, seed and metrics, which is
-  verified when the row is read: a bit that fell over on the disk is an error that names the run.
-* How many rows there are is a note of the file, which its own triggers keep, so a page that is lost
-  or that is there twice is an error, too.
+* Results are committed in groups. A result is on disk within :data:`GROUP`, half a second, after it
+  came back, and then survives ``kill -9``, a full disk and a loss of power. The file uses a plain
+  rollback journal with full synchronization. It does not use a write-ahead log, because that keeps
+  rows in a second file, which is missed when only the first one is copied. At worst half a second
+  of work is lost and done again.
+* A row is there whole or not at all. It has a checksum of its setting, seed and metrics, which is
+  verified when the row is read: a bit that flipped on the disk gives an error that names the run.
+* The file stores its number of rows, which its own triggers maintain, so a lost or duplicated page
+  is an error, too.
 * A file that is deleted or replaced while a study writes to it ends the study.
-* A row is decided by its run alone. Settings, which are all fields of a run but the seed, are in a
-  table of their own, and no times or worker names are anywhere, so studies that were interrupted
-  and studies that were not end with the same rows. The view ``results`` shows both in one.
-* Numbers come back as they went in. Infinity is a number to SQLite; NaN is NULL there, and NULL is
-  read as NaN, since no metric is ever absent.
-* One study writes at a time. Its lock belongs to the process and ends with it, however it ends.
-  Reading is always possible.
-* A file of another program, another format, other fields, or runs of another length is refused with
-  an error that says so.
+* A row depends on its run alone: no times or worker names are stored, so a study ends with the same
+  rows whether it was interrupted or not. Settings, which are all fields of a run but the seed, have
+  a table of their own. The view ``results`` joins both tables.
+* Numbers are read exactly as they were written. SQLite stores infinity as a number and NaN as NULL;
+  NULL is read as NaN, because no metric is ever absent.
+* One study writes at a time. Its lock belongs to the process and is released when the process ends,
+  for whatever reason. Reading is always possible.
+* A file of another program, another format, other fields, or runs of another length is refused,
+  with an error that gives the reason.
 """
 
 from __future__ import annotations
@@ -60,38 +61,39 @@ from psp3.study.run import METRICS, Run, Value, field_types
 from psp3.study.table import Table
 
 FORMAT = 3
-"""Version of the file's layout (SQLite's ``user_version``); any other is refused."""
+"""Version of the file's layout (SQLite's ``user_version``); a file with any other is refused."""
 
 APPLICATION = int.from_bytes(b"PSP3", "big")
-"""Mark of our files (SQLite's ``application_id``), by which ``file`` and we tell them from other
-databases.
+"""Identifier of our files (SQLite's ``application_id``); the tool ``file`` and this module
+recognize them by it.
 """
 
 GROUP = 0.5
-"""Time after which results are on disk [s]; they are committed when half of it has passed, which
-leaves the other half to the disk.
+"""Time within which results are on disk [s]. They are committed after half of it, which leaves the
+other half for the disk.
 """
 
 PATIENCE = 30.0
 """How long to wait for another program that has locked the database for a moment [s]."""
 
 _NOTES = {"package_version": str, "fields": list, "metrics": list, "shared": dict, "runs": int}
-"""What is known of the file as a whole, in the table ``meta``, and of which kind it is."""
+"""Names of the notes on the whole file in the table ``meta``, and their types."""
 
 _TRIGGERS = {"added": ("INSERT", "+"), "removed": ("DELETE", "-")}
-"""What keeps the number of rows, also when somebody deletes one with SQLite's own tools."""
+"""Triggers that maintain the number of rows, also when a user deletes one with SQLite's own
+tools."""
 
-_ANEW = "take a copy of it from before, or give another file, in which its runs are done anew"
+_ANEW = "restore a copy, or use another file, in which the runs are done again"
 
 _ROW = np.dtype([("seed", "<i8"), ("metrics", "<f8", (len(METRICS),))])
-"""What a checksum is of, after the setting's key."""
+"""Layout of the data that a checksum covers, after the setting's key."""
 
 
 def checksums(settings: Iterable[bytes], seeds: Any, metrics: Any) -> list[int]:
-    """Return the checksum of each row, CRC-32: of the key of its setting, seed and metrics."""
+    """Return each row's CRC-32 checksum of the key of its setting, its seed and its metrics."""
     numbers = np.array(metrics, dtype=float)
     content = np.empty(len(numbers), dtype=_ROW)
-    # One zero and one NaN, for SQLite keeps no more of them.
+    # One zero and one NaN, because SQLite keeps neither the sign of zero nor the bits of a NaN.
     content["seed"], content["metrics"] = seeds, numbers + 0.0
     content["metrics"][np.isnan(numbers)] = math.nan
     text, size, crc = content.tobytes(), _ROW.itemsize, zlib.crc32
@@ -105,7 +107,7 @@ def checksums(settings: Iterable[bytes], seeds: Any, metrics: Any) -> list[int]:
 class StudyFile:
     """A file of results. Making this object writes nothing.
 
-    It refuses a file that is there and is not of this kind.
+    It refuses an existing file that is not the file of a study.
 
     Parameters
     ----------
@@ -131,12 +133,12 @@ class StudyFile:
                     self._check(connection)
 
     def rows(self) -> Table:
-        """Return fields and metrics of every run in the file, in the order of the fields.
+        """Return the fields and metrics of every run in the file, ordered by the fields.
 
         Raises
         ------
         InvalidStudyFile, StudyMismatch
-            If there is no file, it cannot be used, or a row is not what was written.
+            If there is no file, it cannot be used, or a row differs from what was written.
         """
         if not self.path.exists():
             raise InvalidStudyFile(self.path, "there is no such file")
@@ -152,7 +154,7 @@ class StudyFile:
         except KeyError as error:
             raise InvalidStudyFile(
                 self.path,
-                f"is damaged: rows have the setting {error}, which is not there; delete them "
+                f"is damaged: rows refer to the setting {error}, which is missing; delete them "
                 f"and run the study again (DELETE FROM runs WHERE setting = {error})",
             ) from None
         found = checksums(map(keys.__getitem__, setting), whole[:, 1], metrics)
@@ -161,7 +163,7 @@ class StudyFile:
         if wrong.size:
             raise self._damaged(table.run(int(wrong[0])), whole[wrong[0]], len(wrong))
         if not _are_in_order(whole[:, 0], whole[:, 1]):
-            reason = f"is damaged: rows are there twice, or not in their order; {_ANEW}"
+            reason = f"is damaged: rows are duplicated or out of order; {_ANEW}"
             raise InvalidStudyFile(self.path, reason)
         self.check_count(len(whole), count)
         return table.in_order()
@@ -169,7 +171,7 @@ class StudyFile:
     def _settings(
         self, connection: sqlite3.Connection
     ) -> tuple[list[int], list[bytes], RunColumns]:
-        """Return numbers, keys and values of the settings, each verified."""
+        """Return the numbers, keys and values of the settings, after verifying each."""
         names = ", ".join(map(_quoted, setting_names()))
         cursor = connection.execute(f"SELECT id, key, {names} FROM settings")
         identities: list[int] = []
@@ -206,7 +208,7 @@ class StudyFile:
     def _wrong_setting(self, identity: int, run: Run) -> InvalidStudyFile:
         return InvalidStudyFile(
             self.path,
-            f"is damaged: setting {identity}, {run}, is not what was written; delete its "
+            f"is damaged: setting {identity}, {run}, differs from what was written; delete its "
             f"runs and run the study again (DELETE FROM runs WHERE setting = {identity}; "
             f"DELETE FROM settings WHERE id = {identity})",
         )
@@ -218,8 +220,8 @@ class StudyFile:
             name = str(replace(settings[setting], seed=seed))
         return InvalidStudyFile(
             self.path,
-            f"is damaged: the row of {name} holds something else than numbers; delete it and run "
-            f"the study again, which does that run anew (DELETE FROM runs WHERE setting IS "
+            f"is damaged: the row of {name} holds values that are not numbers; delete it and run "
+            f"the study again to repeat that run (DELETE FROM runs WHERE setting IS "
             f"{literal(setting)} AND seed IS {literal(seed)})",
         )
 
@@ -227,8 +229,8 @@ class StudyFile:
         more = f", and {count - 1} more rows are damaged" if count > 1 else ""
         return InvalidStudyFile(
             self.path,
-            f"is damaged: the row of {run} does not have its checksum{more}; delete it and run the "
-            f"study again, which does that run anew (DELETE FROM runs WHERE setting = {whole[0]} "
+            f"is damaged: the row of {run} does not match its checksum{more}; delete it and run "
+            f"the study again to repeat that run (DELETE FROM runs WHERE setting = {whole[0]} "
             f"AND seed = {whole[1]})",
         )
 
@@ -237,16 +239,16 @@ class StudyFile:
         if found != written:
             raise InvalidStudyFile(
                 self.path,
-                f"is damaged: it holds {found} rows, and {written} were written; {_ANEW}, or say "
-                f"that these are all and run the study again, which does the lost ones anew "
+                f"is damaged: it holds {found} rows, but {written} were written; {_ANEW}, or "
+                f"accept these rows and run the study again to repeat the lost ones "
                 f"(UPDATE meta SET value = {found} WHERE name = 'runs')",
             )
 
     @contextmanager
     def adding(self) -> Iterator[Additions]:
-        """Open the file to add results, and keep every other study from doing so.
+        """Open the file to add results, and lock it against other studies that would do so.
 
-        Make it if it does not exist.
+        The file is made if it does not exist.
 
         Raises
         ------
@@ -265,14 +267,14 @@ class StudyFile:
                 else:
                     self._check(connection)
                     self._check_package(connection)
-                # A write that changes nothing: a disk that is full, or a directory that takes no
-                # journal, is found out now.
+                # A write that changes nothing shows now whether the disk is full or the directory
+                # takes no journal.
                 connection.execute("UPDATE meta SET value = value")
             additions = Additions(connection, self, {**lock, self.path: self.path.stat()})
             try:
                 yield additions
             finally:
-                # However it ends: what came back is kept, if it can be.
+                # Results that came back are kept if possible, however the work ends.
                 additions.commit()
 
     @contextmanager
@@ -290,10 +292,11 @@ class StudyFile:
         if self.path.is_dir():
             raise InvalidStudyFile(self.path, "is a directory")
         try:
-            # Not read-only where it can be helped: what a killed study left half written must be
-            # rolled back before anyone reads.
+            # Opened for writing if possible: a transaction that a killed study left unfinished must
+            # be rolled back before the file is read.
             with self._connected("rw") as connection:
-                # What is read one after the other is of one moment, while others add to it.
+                # A transaction, so that all reads see the file at one moment while others add to
+                # it.
                 connection.execute("BEGIN")
                 yield connection
         except (sqlite3.Error, UnicodeDecodeError) as error:
@@ -311,11 +314,11 @@ class StudyFile:
             raise self.translated(error) from error
 
     def translated(self, error: Exception, kept: int = 0) -> PSP3Error:
-        """Return our error for one of SQLite's while writing.
+        """Return our error for an SQLite error while writing.
 
         ``kept`` is how many results are in the file.
         """
-        # Extended codes carry the primary one in their low byte.
+        # The low byte of an extended error code is the primary code.
         code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_CORRUPT) & 0xFF
         reasons = {
             sqlite3.SQLITE_FULL: "the disk is full",
@@ -335,8 +338,7 @@ class StudyFile:
         if not directory.is_dir():
             raise StudyFileNotWritable(self.path, f"there is no directory {directory}")
         for path in (directory, self.path):
-            # Root may write to all files; one that is marked read-only is nonetheless meant to stay
-            # as it is.
+            # Root may write to any file, but a file marked read-only is meant to stay as it is.
             if path.exists() and not (
                 os.access(path, os.W_OK) and stat.S_IMODE(path.stat().st_mode) & 0o222
             ):
@@ -404,12 +406,13 @@ class StudyFile:
         for name, kind in _NOTES.items():
             if type(notes.get(name)) is not kind:
                 raise InvalidStudyFile(
-                    self.path, f"is damaged: its note of {name} is not what was written; {_ANEW}"
+                    self.path,
+                    f"is damaged: its note of {name} differs from what was written; {_ANEW}",
                 )
         return notes
 
     def _check(self, connection: sqlite3.Connection) -> dict[str, Any]:
-        """Return the notes of a file that is one of ours."""
+        """Return the notes of a file after checking that it is a study's."""
         (application,), (version,) = (
             connection.execute(f"PRAGMA {name}").fetchone()
             for name in ("application_id", "user_version")
@@ -426,7 +429,7 @@ class StudyFile:
                 version,
                 FORMAT,
                 f"read it with the psp3 that wrote it, psp3.Study({self.path.name!r}).export(...), "
-                "or give another file, in which its runs are done anew; this one stays as it is",
+                "or use another file, in which the runs are done again; this one stays as it is",
             )
         notes = self._notes(connection)
         for name, expected in self._layout().items():
@@ -448,16 +451,17 @@ class StudyFile:
     def _check_package(self, connection: sqlite3.Connection) -> None:
         from psp3.version import __version__
 
-        # Reading is fine, but numbers of two versions do not go into one table.
+        # Reading is fine, but results of two versions must not be mixed in one table.
         version = self._notes(connection)["package_version"]
         if version != __version__:
             raise StudyMismatch(self.path, "version of psp3", version, __version__)
 
     @contextmanager
     def _locked(self) -> Iterator[dict[Path, os.stat_result]]:
-        """Hold the lock, a file beside the results, and yield its path with which file it is.
+        """Hold the lock, a file beside the results, and yield its path and identity.
 
-        SQLite's own locks on a database drop when any handle on it is closed.
+        SQLite's own locks do not suffice: they are released when any handle on the database is
+        closed.
         """
         path = self.path.with_name(self.path.name + ".lock")
         while True:
@@ -478,7 +482,7 @@ class StudyFile:
                 break
             os.close(handle)
         try:
-            # who holds it is for the reader of a message; the lock is what counts
+            # this text only tells the reader of an error message who holds the lock
             with suppress(OSError):
                 os.ftruncate(handle, 0)
                 os.write(handle, f"process {os.getpid()} on {socket.gethostname()}".encode())
@@ -524,23 +528,23 @@ class Additions:
 
     @property
     def waiting(self) -> int:
-        """Number of results that came back and are not committed yet."""
+        """Number of results that came back but are not committed yet."""
         return len(self._waiting)
 
     def due(self) -> float:
-        """Return how long results may still wait for being committed [s]; infinite without any."""
+        """Return the time until waiting results must be committed [s]; infinite without any."""
         return max(0.0, self._since + 0.5 * GROUP - time.monotonic())
 
     def add(self, results: Iterable[tuple[Run, Mapping[str, float]]]) -> None:
-        """Take results, and commit all those that wait when the first of them has waited enough.
+        """Take results, and commit all that wait once the first has waited long enough.
 
-        Those of runs that are in the file already change nothing.
+        Results of runs that are already in the file change nothing.
 
         Raises
         ------
         StudyFileNotWritable
-            If the disk is full, for example; everything committed before stays. Or if the file is
-            not where it was any more.
+            If the disk is full, for example, or the file was moved or deleted. Everything committed
+            before stays.
         """
         self._check_place()
         for run, found in results:
@@ -551,18 +555,18 @@ class Additions:
             self.commit()
 
     def commit(self) -> None:
-        """Commit what waits, all of it or nothing.
+        """Commit all waiting results, or none of them.
 
         Raises
         ------
         StudyFileNotWritable
-            As from :meth:`add`; what waited is then lost.
+            As from :meth:`add`; the waiting results are then lost.
         """
         if not self._waiting:
             return
         self._check_place()
-        # An interrupt may come at any line. What waits is forgotten when it is committed, and what
-        # is committed twice does no harm.
+        # An interrupt may come at any line, so waiting results are dropped only after their commit;
+        # committing a result twice does no harm.
         results = list(self._waiting)
         settings = [setting_values(run) for run, _ in results]
         keys = [setting_key(values) for values in settings]
@@ -582,24 +586,24 @@ class Additions:
                 committed = _count(self._connection)
         except sqlite3.Error as error:
             self._forget(len(results))
-            # SQLite calls a file read-only whose name is gone.
+            # SQLite reports a deleted file as read-only.
             self._check_place()
             raise self._file.translated(error, self.committed) from error
         self.committed = committed
         self._numbers = numbers
         self._forget(len(results))
-        # Again, for an open file takes rows though its name is gone.
+        # Checked again, because an open file still accepts rows after it was deleted.
         self._check_place()
 
     def _check_place(self) -> None:
         for path, status in self._held.items():
             if not is_still(path, status):
-                # What the open file still takes is nowhere when it is closed.
+                # Rows written to a deleted file are lost when it is closed.
                 self._forget(len(self._waiting))
                 raise StudyFileNotWritable(
                     self._file.path,
                     f"{path.name} was deleted or replaced while the study was running; put it back "
-                    "and run the study again, which otherwise does all its runs anew",
+                    "and run the study again; otherwise it repeats all its runs",
                 )
 
     def _forget(self, count: int) -> None:
@@ -607,7 +611,7 @@ class Additions:
         self._since = time.monotonic() if self._waiting else math.inf
 
     def _numbered(self, settings: Mapping[bytes, tuple[Value, ...]]) -> dict[bytes, int]:
-        """Return the numbers of all settings by their keys, with new ones for those of these."""
+        """Return the numbers of all settings by key, after adding settings that are new."""
         new = [name for name in settings if name not in self._numbers]
         if not new:
             return self._numbers
@@ -635,13 +639,13 @@ def _read_keys(connection: sqlite3.Connection) -> tuple[Keys, dict[bytes, int]]:
 
 
 def _count(connection: sqlite3.Connection) -> int:
-    """Return how many rows a file says that it holds."""
+    """Return the number of rows that a file's note states."""
     (text,) = connection.execute("SELECT value FROM meta WHERE name = 'runs'").fetchone()
     return int(text)
 
 
 def _are_numbers(rows: Sequence[tuple[object, ...]]) -> bool:
-    """Tell whether rows are three integers and numbers, of which NULL is one."""
+    """Return whether each row is three integers followed by numbers or NULL."""
     columns = tuple(zip(*rows, strict=True))
     of_whole, of_metrics = (
         set(map(type, itertools.chain.from_iterable(part))) for part in (columns[:3], columns[3:])
@@ -650,14 +654,14 @@ def _are_numbers(rows: Sequence[tuple[object, ...]]) -> bool:
 
 
 def _are_in_order(settings: NDArray[np.int64], seeds: NDArray[np.int64]) -> bool:
-    """Tell whether rows come as their table keeps them, by setting and seed, each once."""
+    """Return whether rows are ordered by setting and seed without duplicates, as in their table."""
     further = settings[1:] > settings[:-1]
     same = settings[1:] == settings[:-1]
     return bool((further | (same & (seeds[1:] > seeds[:-1]))).all())
 
 
 def literal(value: object) -> str:
-    """Return a value of a damaged file as SQLite's own tools take it."""
+    """Return a value of a damaged file as an SQL literal."""
     if isinstance(value, bytes):
         return f"x'{value.hex()}'"
     if isinstance(value, str):
@@ -666,7 +670,7 @@ def literal(value: object) -> str:
 
 
 def is_still(path: Path, status: os.stat_result) -> bool:
-    """Tell whether a path still leads to this file."""
+    """Return whether a path still leads to this file."""
     try:
         return os.path.samestat(path.stat(), status)
     except OSError:
@@ -676,23 +680,23 @@ def is_still(path: Path, status: os.stat_result) -> bool:
 @contextmanager
 def _transaction(connection: sqlite3.Connection) -> Iterator[None]:
     if connection.in_transaction:
-        # Ctrl-C came in the moment after the transaction began, before anybody minded it.
+        # Ctrl-C came just after the transaction began, before the ``try`` below was entered.
         connection.execute("ROLLBACK")
     try:
         connection.execute("BEGIN IMMEDIATE")
         yield
         connection.execute("COMMIT")
     except BaseException:
-        # SQLite has rolled back by itself when the disk is full.
+        # When the disk is full SQLite has already rolled back by itself.
         if connection.in_transaction:
             connection.execute("ROLLBACK")
         raise
 
 
 def _is_empty(connection: sqlite3.Connection) -> bool:
-    """Tell whether this is a database without anything.
+    """Return whether a database is empty.
 
-    A study leaves such a one if it was killed before its first commit.
+    A study that is killed before its first commit leaves an empty database.
     """
     (tables,), (application,) = (
         connection.execute(q).fetchone()
@@ -702,9 +706,10 @@ def _is_empty(connection: sqlite3.Connection) -> bool:
 
 
 def _has_no_results(connection: sqlite3.Connection) -> bool:
-    """Tell whether this is a study's file without a row.
+    """Return whether a study's file has no rows.
 
-    One that was stopped before its first result. It binds nobody.
+    A study that was stopped before its first result leaves such a file. It may be used for other
+    runs.
     """
     (application,) = connection.execute("PRAGMA application_id").fetchone()
     return (

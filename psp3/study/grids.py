@@ -13,14 +13,14 @@ from psp3.study.run import Run, Value, values_of_field
 
 
 class Grid(Sequence[Run]):
-    """The runs of every combination of values; :func:`grid` makes it.
+    """The runs of every combination of values; made with :func:`grid`.
 
-    A run is made when it is asked for, so that a million of them take no memory.
+    A run is made on access, so a million of them take no memory.
 
     Parameters
     ----------
     choices : dict of list
-        The values of each field; those of the last vary fastest.
+        The values of each field; the last field varies fastest.
     """
 
     def __init__(self, choices: dict[str, list[Value]]) -> None:
@@ -53,7 +53,7 @@ class Grid(Sequence[Run]):
         return Run(**chosen)
 
     def blocks(self) -> Iterator[RunColumns]:
-        """Return the runs as columns, some at a time; none of them is made."""
+        """Return the runs as columns, some at a time, without making ``Run`` objects."""
         combinations = itertools.product(*self.choices.values())
         while rows := list(itertools.islice(combinations, AT_A_TIME)):
             columns = zip(*rows, strict=True) if self.choices else ()
@@ -76,26 +76,26 @@ class Grid(Sequence[Run]):
 def grid(**values: Value | Iterable[Value]) -> Grid:
     """Return the runs of every combination of values of fields.
 
-    Seeds vary slowest, so a study that was stopped holds whole comparisons, of fewer seeds.
+    Seeds vary slowest, so a study that was stopped holds complete comparisons with fewer seeds.
 
     Parameters
     ----------
     **values
-        For each field of :class:`~psp3.study.run.Run` that is not to keep its default a value or
-        several: ``grid(controller=["t1", "it2"], snr_db=20, seed=range(30))``.
+        One or more values for each field of :class:`~psp3.study.run.Run` that differs from its
+        default: ``grid(controller=["t1", "it2"], snr_db=20, seed=range(30))``.
 
     Returns
     -------
     Grid
-        A sequence of runs, whose number is the product of the numbers of values;
-        :class:`psp3.Study` does those that differ in nothing that matters once.
+        A sequence of runs, one for every combination. :class:`psp3.Study` does equivalent runs,
+        which must have the same results, only once.
 
     Raises
     ------
     UnknownName
         If a run has no such field.
     InvalidValue
-        If a field is given no value at all, or one that is not of its type.
+        If a field is given no value, or a value of the wrong type.
     """
     choices: dict[str, list[Value]] = {}
     for name in sorted(values, key=lambda name: name != "seed"):

@@ -1,8 +1,8 @@
-"""Ctrl-C while results are saved: noted at once, and obeyed where no result is lost.
+"""Ctrl-C while results are saved: noted at once, and obeyed at a point where no result is lost.
 
 Python raises :class:`KeyboardInterrupt` between any two instructions, also within the locks of
 :mod:`concurrent.futures`, which then stay locked, and between a result and its way to the disk.
-Here the signal only sets a mark, and whoever works looks at it.
+Here the signal only sets a flag, which the working code checks at safe points.
 """
 
 from __future__ import annotations
@@ -15,12 +15,13 @@ from types import FrameType
 
 
 class Interrupts:
-    """Whether Ctrl-C came; :func:`noted_interrupts` gives it.
+    """Whether Ctrl-C came; made by :func:`noted_interrupts`.
 
     Parameters
     ----------
     wake : callable, optional
-        Called when it comes, between any two instructions of the main thread: it wakes who waits.
+        Called when Ctrl-C comes, between any two instructions of the main thread, to wake a waiting
+        thread.
     """
 
     def __init__(self, wake: Callable[[], None] | None = None) -> None:
@@ -34,7 +35,7 @@ class Interrupts:
 
     @contextmanager
     def obeyed_at_once(self) -> Iterator[None]:
-        """Let Ctrl-C end what is done here, between any two instructions of it."""
+        """Let Ctrl-C interrupt the block between any two instructions."""
         try:
             self._obeyed_at_once = True
             self.obey()
@@ -44,7 +45,7 @@ class Interrupts:
 
     @contextmanager
     def waking(self, wake: Callable[[], None] | None) -> Iterator[None]:
-        """Wake somebody else meanwhile."""
+        """Call another ``wake`` within the block."""
         before, self._wake = self._wake, wake
         try:
             yield
@@ -52,7 +53,7 @@ class Interrupts:
             self._wake = before
 
     def take(self, number: int, frame: FrameType | None) -> None:
-        """Note Ctrl-C; the handler of the signal."""
+        """Note Ctrl-C; this is the signal handler."""
         self.came = True
         if self._wake is not None:
             self._wake()
@@ -64,9 +65,9 @@ class Interrupts:
 def noted_interrupts(wake: Callable[[], None] | None = None) -> Iterator[Interrupts]:
     """Note Ctrl-C instead of raising it.
 
-    One that nobody has obeyed until the end is raised there. Signals come to the main thread alone,
-    so in another one nothing changes; nor where a program has a handler of its own, which knows
-    what it does. Within another one of these it is the same one, which wakes somebody else.
+    A Ctrl-C that was not obeyed within the block is raised at its end. Signals come to the main
+    thread only, so in another thread nothing changes. A program's own signal handler is left in
+    place, too. Nested blocks share one object; the inner block only replaces ``wake``.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """Ends of 95 % intervals of means, of ratios of means, of medians and of geometric means.
 
-What these hold on skewed data is measured by ``docs/make_intervals.py``.
+``docs/make_intervals.py`` measures how often these intervals hold the true value on skewed data.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from psp3.checks import Array, checked_random
 
 CONFIDENCE = 0.95
-"""Share of intervals that are to hold the true value."""
+"""Nominal share of intervals that hold the true value."""
 
 MEASURED_COVERAGE: Mapping[str, float] = MappingProxyType(
     {
@@ -26,8 +26,9 @@ MEASURED_COVERAGE: Mapping[str, float] = MappingProxyType(
         "ratio of geometric means": 0.95,
     }
 )
-"""Share of 4000 simulated sets of 30 skewed pairs like those of the study whose interval held the
-true value, by what is estimated: the least over noise levels, from ``docs/concepts/intervals.md``.
+"""Measured share of intervals that held the true value, by estimand, over 4000 simulated sets of 30
+skewed pairs like those of the study: the least over noise levels, from
+``docs/concepts/intervals.md``.
 """
 
 MEASURED_COVERAGE_OF_TEN: Mapping[str, float] = MappingProxyType(
@@ -39,7 +40,7 @@ MEASURED_COVERAGE_OF_TEN: Mapping[str, float] = MappingProxyType(
         "ratio of geometric means": 0.959,
     }
 )
-"""The same of ten pairs like those of the study at 20 dB."""
+"""The same for sets of ten pairs like those of the study at 20 dB."""
 
 RESAMPLES = 9999
 """Number of bootstrap resamples."""
@@ -52,7 +53,7 @@ NO_SPREAD = 1e-12
 
 
 class Interval(NamedTuple):
-    """An interval, ``.low`` to ``.high``, and how it was found, ``.method``."""
+    """An interval from ``.low`` to ``.high``, and its ``.method``."""
 
     low: float
     high: float
@@ -65,14 +66,14 @@ def coverage_in_words(*estimands: str, seeds: int = 30) -> str:
     Parameters
     ----------
     estimands : str
-        What is estimated, names in :data:`MEASURED_COVERAGE`.
+        Estimands, names in :data:`MEASURED_COVERAGE`.
     seeds : int
-        How many seeds there are; what was measured with ten is said of less than thirty.
+        Number of seeds. For fewer than thirty, the coverage measured with ten is reported.
 
     Returns
     -------
     str
-        A clause without an end: "in simulations of 30 such seeds they held the truth in ...".
+        A clause without a full stop: "in simulations of 30 such seeds they held the truth in ...".
     """
     number, measured = (30, MEASURED_COVERAGE) if seeds >= 30 else (10, MEASURED_COVERAGE_OF_TEN)
     shares = [f"{100.0 * measured[name]:.3g} % ({name})" for name in estimands]
@@ -99,15 +100,16 @@ def bootstrap_t(
     x, y : (N,) ndarray
         Pairs, at least two. With ones for y, the ratio is the mean of x.
     logarithmic : bool
-        Whether on the logarithm of the ratio, for which all numbers must be positive.
+        Whether the interval is computed on the logarithm of the ratio; all numbers must then be
+        positive.
     rng : numpy.random.Generator, optional
-        Source of the resamples; unless given, the same one at every call.
+        Source of the resamples; the same at every call unless given.
 
     Returns
     -------
     Interval
-        Student's, where more than 5 % of the resamples have no spread: so few values, or so few
-        different ones.
+        Student's interval if more than 5 % of the resamples have no spread, because there are too
+        few values or too few different ones.
 
     Notes
     -----
@@ -117,8 +119,8 @@ def bootstrap_t(
     count = len(x)
     with np.errstate(divide="ignore", invalid="ignore"):
         value = float(x.mean() / y.mean())
-        # Both relative to the mean of y: what y leaves of x, and y's own spread. So the error of
-        # the ratio is computed without a difference of large numbers.
+        # Both relative to the mean of y: the residual of x on y, and y's own spread. This computes
+        # the error of the ratio without a difference of large numbers.
         left, other = (x - value * y) / y.mean(), y / y.mean() - 1.0
         scale = float(np.abs(x / y.mean()).max())
     error = float(left.std(ddof=1)) / np.sqrt(count)
@@ -163,7 +165,7 @@ def _student(count: int) -> float:
 
 
 def _resamples(count: int, rng: np.random.Generator | None) -> Iterator[NDArray[np.int64]]:
-    """Yield which of so many values are drawn, (B, count), in batches that fit into memory."""
+    """Yield the indices of resampled values, (B, count), in batches that fit into memory."""
     checked_random(rng)
     source = np.random.default_rng(0) if rng is None else rng
     batch = max(1, NUMBERS_AT_A_TIME // count)
@@ -172,12 +174,12 @@ def _resamples(count: int, rng: np.random.Generator | None) -> Iterator[NDArray[
 
 
 def _sizes(drawn: NDArray[np.int64], left: Array, other: Array, value: float | None) -> Array:
-    """Return the studentized deviations of resamples, without sign, (B,).
+    """Return the absolute studentized deviations of resamples, (B,).
 
-    Of the ratio, or of its logarithm if its value is given.
+    They are those of the ratio, or of its logarithm if its value is given.
     """
     count = len(left)
-    # How often each value was drawn, which makes all moments one product.
+    # With the count of each value, all moments are one matrix product.
     offsets = count * np.arange(len(drawn))[:, np.newaxis]
     times = np.bincount((drawn + offsets).ravel(), minlength=drawn.size).reshape(drawn.shape)
     moments = np.stack([left, other, left**2, other**2, left * other], axis=1) / count
@@ -189,12 +191,12 @@ def _sizes(drawn: NDArray[np.int64], left: Array, other: Array, value: float | N
             - 2.0 * shift * (products - mean_left * mean_other)
             + shift**2 * (squares_other - mean_other**2)
         )
-        # One value drawn every time has no spread, but for rounding.
+        # A resample of one repeated value has no spread except for rounding.
         spread[spread <= NO_SPREAD * squares] = 0.0
         error = np.sqrt(spread / (count - 1)) / np.abs(1.0 + mean_other)
         if value is not None:
             shift, error = np.log1p(shift / value), error / (value + shift)
         sizes: Array = np.abs(shift) / error
-    # Nothing by nothing is as much as anything by nothing.
+    # Zero deviation over zero spread counts like any deviation over zero spread: infinite.
     sizes[np.isnan(sizes)] = np.inf
     return sizes

@@ -1,7 +1,7 @@
-"""What identifies a run in a file, in 24 bytes, and the runs of a study by it.
+"""Keys of 24 bytes that identify runs in a file, and the runs of a study by key.
 
-A key is the setting's, which are all fields but the seed, and then the seed. Of a million runs the
-keys take 24 MB, and the runs themselves are made when they are wanted.
+A key is a hash of the setting, which is all fields but the seed, followed by the seed. The keys of
+a million runs take 24 MB; the ``Run`` objects are made on access.
 """
 
 from __future__ import annotations
@@ -32,15 +32,15 @@ from psp3.study.run import (
 from psp3.study.table import Table
 
 SHARED = ("duration",)
-"""Fields that are the same in all runs of a file: errors are summed over that time, and other sums
-do not go into one table.
+"""Fields that are the same in all runs of a file. Errors are sums over this time, and sums over
+different times must not share a table.
 """
 
 SETTING_BYTES, SEED_BYTES = 16, 8
 
 KEYS = np.dtype(f"S{SETTING_BYTES + SEED_BYTES}")
-"""Keys as an array holds them. They are all of one length, so that zeros at the end, which NumPy
-does not tell from none, make no two of them equal.
+"""NumPy type of the keys. NumPy drops trailing zero bytes, but keys of one length still stay
+different.
 """
 
 Keys = NDArray[np.bytes_]
@@ -61,19 +61,19 @@ def setting_names() -> tuple[str, ...]:
 
 
 def setting_key(values: tuple[Value, ...]) -> bytes:
-    """Return the key of a setting, of its values in their order: a hash of their text.
+    """Return the key of a setting: a hash of the text of its values in order.
 
-    A number is written with as many digits as tell it from every other.
+    Numbers are written with enough digits to be unique.
     """
     text = repr(values)
     if "-0.0" in text:
-        # Equal numbers are one setting.
+        # Equal numbers must give one setting.
         text = repr(tuple(v + 0.0 if type(v) is float else v for v in values))
     return blake2b(text.encode(), digest_size=SETTING_BYTES).digest()
 
 
 def setting_keys(runs: RunColumns) -> list[bytes]:
-    """Return the keys of the settings of many runs: what all have in common is written once."""
+    """Return the keys of the settings of many runs; text that all share is written once."""
     words, columns = [], []
     for name in _NAMES:
         column = runs.columns[name]
@@ -93,22 +93,22 @@ def _word(value: Value) -> str:
 
 
 def key(run: Run) -> bytes:
-    """Return what identifies a run, of its canonical form."""
+    """Return the key of a run in canonical form."""
     return setting_key(setting_values(run)) + run.seed.to_bytes(SEED_BYTES, "big")
 
 
 def as_keys(content: bytes | bytearray) -> Keys:
-    """Return keys, one after the other in a text of bytes, as an array."""
+    """Return concatenated keys as an array."""
     return np.frombuffer(content, dtype=KEYS)
 
 
 def is_seed(value: object) -> bool:
-    """Tell whether this is a seed."""
+    """Return whether a value is a seed."""
     return type(value) is int and 0 <= value <= LARGEST_INTEGER
 
 
 def checked_runs(runs: Iterable[Run]) -> Sequence[Run]:
-    """Return runs as a sequence; raise :class:`InvalidValue` if they are none."""
+    """Return runs as a sequence; raise :class:`InvalidValue` if an item is not a run."""
     requirement = "a list of runs, or a grid of them"
     if isinstance(runs, Grid | Runs):
         return runs
@@ -119,25 +119,25 @@ def checked_runs(runs: Iterable[Run]) -> Sequence[Run]:
 
 
 class Runs(Sequence[Run]):
-    """The runs of a study, each once and in canonical form, in the order in which they were given.
+    """The runs of a study, each once and in canonical form, in the order given.
 
     Parameters
     ----------
     runs : iterable of Run
-        A sequence is kept as it is, and asked again for what is wanted.
+        A sequence is kept without a copy, and read again on access.
 
     Attributes
     ----------
     keys : (N,) ndarray of bytes
-        What identifies them.
+        Keys of the runs.
     shared : dict
         Values of the fields in :data:`SHARED`.
 
     Raises
     ------
     InvalidValue, UnknownName
-        If there are no runs, they differ in what all of a file share, or one of them makes no
-        sense; see :meth:`psp3.study.run.Run.check`.
+        If there are no runs, if they differ in :data:`SHARED` fields, or if one is invalid; see
+        :meth:`psp3.study.run.Run.check`.
     """
 
     def __init__(self, runs: Iterable[Run]) -> None:
@@ -182,8 +182,8 @@ class Runs(Sequence[Run]):
                 raise InvalidValue(
                     name,
                     value,
-                    "the same in all runs of a study, as errors are summed over it; others have "
-                    f"{self.shared[name]}",
+                    "the same in all runs of a study, because errors are summed over it; others "
+                    f"have {self.shared[name]}",
                 )
 
     def __len__(self) -> int:
@@ -204,7 +204,7 @@ class Runs(Sequence[Run]):
         return self._source[int(self._places[index])].canonical()
 
     def rows_of(self, table: Table) -> Table:
-        """Return the rows of a table whose runs are among these."""
+        """Return the rows of a table that belong to these runs."""
         settings = setting_keys(table.settings)
         content = bytearray()
         for number, seed in zip(table.setting.tolist(), table.seeds.tolist(), strict=True):
@@ -212,16 +212,16 @@ class Runs(Sequence[Run]):
         return table.taken(np.flatnonzero(np.isin(as_keys(content), self.keys)))
 
     def missing(self, keys: Keys) -> NDArray[np.int64]:
-        """Return the places of the runs that are not among these keys, in order."""
+        """Return the indices of the runs whose keys are not among these, in order."""
         there = np.isin(self.keys, keys)
         return np.flatnonzero(~there)
 
 
 def _alike(runs: RunColumns) -> list[Sequence[int]]:
-    """Return the places of runs that are right or wrong, and brought to one form, for one reason.
+    """Return groups of indices of runs that share the outcome of check and canonical form.
 
-    The check and the canonical form of a run ask of its amounts, its signal-to-noise ratio and its
-    seeds only whether they are what they can be, and zero, infinite or not given.
+    For its amounts, its signal-to-noise ratio and its seeds, both only ask whether they are valid,
+    and whether they are zero, infinite or not given.
     """
     classes = [_classes(name, runs.columns[name]) for name in runs.differing]
     if not classes:
@@ -231,7 +231,7 @@ def _alike(runs: RunColumns) -> list[Sequence[int]]:
         for place, one in enumerate(zip(*classes, strict=True)):
             found.setdefault(one, []).append(place)
     except TypeError:
-        # What cannot be hashed is no value of a field, as the check says.
+        # A value that cannot be hashed is invalid, and the check says so.
         for run in runs:
             run.check()
         raise
@@ -250,7 +250,7 @@ def _classes(name: str, column: Column) -> Sequence[object]:
         return [_USUAL if is_seed(v) else (type(v), v) for v in column]
     if set(map(type, column)) <= {field_types()[name], type(None)}:
         return column
-    # True is 1, and 1.0 is, too, but they are not as right.
+    # True and 1.0 equal 1, but not all three are valid values.
     return list(zip(map(type, column), column, strict=True))
 
 

@@ -1,10 +1,10 @@
-"""How long one step of a controller takes (Table 6.2).
+"""The time of one step of a controller (Table 6.2).
 
-It is called from Python as a control loop would call it.
+The controller is called from Python, as a control loop would call it.
 
-A control loop must meet its deadline in every step, so what counts is the tail: the median says
-what the computation costs, the percentiles what the machine adds to it. Garbage collection is left
-as it is, because a loop in Python lives with it.
+A control loop must meet its deadline in every step, so the slowest steps count. The median is the
+cost of the computation; the high percentiles show what the machine adds to it. Garbage collection
+stays on, because a control loop in Python runs with it, too.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from psp3.three_psp.robot import PSP3
 from psp3.trajectories.motion import Motion
 
 WARM_UP = 50
-"""Steps that are made and not counted: the first ones load code and fill caches."""
+"""Number of first steps that are not counted, because they load code and fill caches."""
 
 Clock = Callable[[], int]
 
@@ -34,7 +34,7 @@ Clock = Callable[[], int]
 class Latency(NamedTuple):
     """Times of single steps [s].
 
-    How many ``steps`` were measured, and the times that half of them (``median``), 99 %
+    The number of measured ``steps``, and the times that half of them (``median``), 99 %
     (``percentile_99``), 99.9 % (``percentile_99_9``) and all of them (``worst``) do not exceed.
     """
 
@@ -53,12 +53,12 @@ def step_times(
     desired: Motion,
     clock: Clock = time.perf_counter_ns,
 ) -> Array:
-    """Return how long each call of a controller takes.
+    """Return the time of each call of a controller.
 
     Parameters
     ----------
     controller : Controller
-        What is measured; it is called on the first states of the run before anything is counted.
+        Controller to measure; its calls on the first states of the run are not counted.
     t : (N,) ndarray
         Times [s].
     heights, speeds : (N, 3) ndarray
@@ -71,7 +71,7 @@ def step_times(
     Returns
     -------
     (N,) ndarray
-        Times [s], each with the time it takes to read the clock, some 50 ns.
+        Times [s]; each includes the time to read the clock, about 50 ns.
 
     Raises
     ------
@@ -80,7 +80,7 @@ def step_times(
     """
     if len(t) == 0:
         raise InvalidValue("t", t, "at least one time")
-    # Taken apart before, so that only the controller's own work is timed.
+    # Unpacked before the loop, so only the controller's own work is timed.
     calls = list(
         zip(
             t.tolist(),
@@ -103,7 +103,7 @@ def step_times(
 
 
 def summarize(times: Array) -> Latency:
-    """Return the percentiles of step times, each one that was measured (nearest rank).
+    """Return percentiles of step times; each is a measured time (nearest rank).
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def summarize(times: Array) -> Latency:
     Latency
     """
     ascending = np.sort(times).tolist()
-    # Ranks in whole numbers: 99.9 % of 1000 is 999, and in floating point a little more.
+    # Ranks in integer arithmetic: 99.9 % of 1000 is 999, but slightly more in floating point.
     median, high, higher, worst = (
         ascending[-(-permille * len(ascending) // 1000) - 1] for permille in (500, 990, 999, 1000)
     )
@@ -123,22 +123,23 @@ def summarize(times: Array) -> Latency:
 
 
 def controllers_of_table_6_2(robot: PSP3, recorded: Record) -> dict[str, Controller]:
-    """Return the controllers whose steps are compared, by name.
+    """Return the controllers of Table 6.2 and further ones by name.
 
-    The thesis's four, computed torque by three models, general type-2.
+    They are the thesis's four, computed torque with three models, and general type-2.
 
     Parameters
     ----------
     robot : PSP3
         The robot.
     recorded : Record
-        What the fuzzy ones learn from, with the mean variation of 20 dB but no noise.
+        Record that the fuzzy controllers learn from, with the mean variation for 20 dB but no
+        noise.
 
     Returns
     -------
     dict
-        ``"PD"``; ``"CTC, "`` with the name of a model, which closes the loops in every step, if it
-        needs to; ``"t1"``, ``"it2"``, ``"gt2"``.
+        Controllers by name: ``"PD"``; ``"CTC, "`` and the name of a model, which closes the loops
+        in every step if needed; ``"t1"``, ``"it2"``, ``"gt2"``.
     """
     controllers: dict[str, Controller] = {"PD": PD(*TABLE_6_1["PD"])}
     for name in ("noc", "pinocchio", "closed_form"):
@@ -165,7 +166,7 @@ def measure_latencies(
     recorded : Record
         The run, N samples.
     desired : Motion
-        What was desired of it, arrays of shape (N, 3).
+        The desired motion of the run, arrays of shape (N, 3).
     steps : int
         Steps of each controller, at most N.
     clock : callable

@@ -1,15 +1,15 @@
 r"""A grid of runs: controllers on robots that differ from the controllers' models.
 
-Adaptation against exact models, integrals and regulators.
+Adaptive fuzzy controllers compete with exact models, integral action and regulators.
 
-Every controller believes in the robot as drawn. The robot that it steers carries a payload, its
-masses and inertias are off by random factors, and what is measured is noisy; the fuzzy controllers
-were trained on the robot as drawn, from records that are exact or noisy.
+The model of every controller is the nominal robot, as designed. The robot that it steers carries a
+payload, its masses and inertias are off by random factors, and its measurements are noisy. The
+fuzzy controllers were trained on the nominal robot, from records that are exact or noisy.
 
 =================  =================================================================================
 controller         what it is
 =================  =================================================================================
-ctc                computed torque with the exact model of the robot as drawn, gains of Table 6.1
+ctc                computed torque with the exact model of the nominal robot, gains of Table 6.1
 ctc-integral       the same with an integral of the error
 lqr                the forces of the desired motion and a linear-quadratic regulator as stiff as
                    computed torque is
@@ -18,8 +18,8 @@ t1, it2            fuzzy computed torque as trained, :class:`psp3.FuzzyComputedT
 adaptive-t1, -it2  the same with rules that adapt, :class:`psp3.AdaptiveFuzzyComputedTorque`
 =================  =================================================================================
 
-Runs of one seed see the same robot, the same noise and the same records, whatever the controller:
-they are compared in pairs.
+Runs of one seed see the same robot, the same noise and the same records, whatever the controller,
+so they are compared in pairs.
 """
 
 from __future__ import annotations
@@ -48,24 +48,24 @@ PAIRS = (
     ("adaptive-it2", "adaptive-t1"),
     ("it2", "t1"),
 )
-"""Pairs whose ratios are worth a table."""
+"""Pairs of controllers whose ratios are tabulated."""
 
 MEASUREMENT_NOISE = (1e-5, 1e-3)
 """Standard deviations of white noise on measured positions [m or rad] and speeds."""
 
 MASS_MISMATCH = 0.05
-"""Masses and inertias are off by factors exp(0.05 ε), and on the 3-PSP 0.25 kg · abs(ε) ride on the
-star besides the payload; ε is normal.
+"""Masses and inertias are off by factors exp(0.05 ε), with ε standard normal. On the 3-PSP, a mass
+of 0.25 kg · abs(ε) rides on the star besides the payload.
 """
 
 UNCERTAINTY_SNR = 20.0
-"""Signal-to-noise ratio [dB] for whose mean variation the type-2 terms are made if the records are
+"""Signal-to-noise ratio [dB] that sets the mean variation of the type-2 terms if the records are
 exact.
 """
 
 
 def uncertainty(snr_db: float) -> float:
-    """Return the mean variation of type-2 terms that learn from records of a ratio [dB]."""
+    """Return the mean variation of type-2 terms for records of a signal-to-noise ratio [dB]."""
     return float(mean_variation_from_snr(min(checked_snr(snr_db), UNCERTAINTY_SNR)))
 
 
@@ -77,7 +77,7 @@ def case(
     robot: str = "psp3",
     duration: float = DURATION,
 ) -> Run:
-    """Return what runs of different controllers and seeds have in common.
+    """Return a case: the fields that runs of different controllers and seeds share.
 
     Parameters
     ----------
@@ -85,14 +85,14 @@ def case(
         Fields of :class:`psp3.study.run.Run`.
     snr_db : float
         Signal-to-noise ratio of the records that the rules are learned from [dB]; infinite for
-        exact ones.
+        exact records.
     drive : Drive
-        Friction and motor inertia of the motors, which no controller knows of either.
+        Friction and inertia of the motors, which no controller models.
 
     Raises
     ------
     InvalidValue
-        If the drive is none, or the ratio is not what it can be.
+        If ``drive`` is not a drive, or the ratio is out of range.
     """
     if not isinstance(drive, Drive):
         raise InvalidValue("drive", drive, "a psp3.drives.Drive")
@@ -131,19 +131,19 @@ def compare(
     Parameters
     ----------
     payloads, trajectories, snrs_db : sequence
-        Fields of the cases, of which there is one for every combination.
+        Fields of the cases; there is one case for every combination.
     seeds : int
         Number of seeds, at least 2.
     controllers : sequence of str
-        Names that a :class:`psp3.study.run.Run` takes.
+        Controller names that a :class:`psp3.study.run.Run` takes.
     duration : float
         Length of the runs [s].
     drive : Drive
-        Of all cases, see :func:`case`.
+        Drive of all cases, see :func:`case`.
     workers : int, optional
-        Number of threads; that of the processors by default. The result does not depend on it.
+        Number of threads; the number of processors by default. The result does not depend on it.
     robot : str
-        Field of all cases.
+        Robot of all cases.
 
     Returns
     -------
@@ -152,17 +152,17 @@ def compare(
     Raises
     ------
     InvalidValue, UnknownName
-        If an argument is not what it must be.
+        If an argument is invalid.
     StrokeExceeded
-        If a trajectory leaves the joints' limits in the duration.
+        If a trajectory leaves the joints' limits within the duration.
     """
     cases = [
         case(payload, path, snr, drive, robot, duration)
         for payload, path, snr in product(payloads, trajectories, snrs_db)
     ]
     count = checked_count("seeds", seeds, 2)
-    # Controllers without rules do not see the records; their runs are the same for all of them, and
-    # are done once.
+    # Controllers without rules do not use the records, so their runs are the same for every
+    # ``snr_db`` and are done once.
     runs = [
         replace(one, controller=name, seed=seed)
         for one, name, seed in product(cases, controllers, range(count))

@@ -1,4 +1,4 @@
-"""Desired motions of a study's runs, by name."""
+"""Desired motions for the runs of a study, by name."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from psp3.trajectories.trajectory import Trajectory
 PathOf = Callable[[Any], Trajectory]
 
 FAST_SWAY = 1.0
-"""Time of the fast sway [s]; the one learned from takes twice as long."""
+"""Duration of the fast sway [s]; the sway for learning takes twice as long."""
 
 
 def _square(robot: Any) -> Trajectory:
-    """Return a square with sides of 24 mm, a corner a second, that rises as the helix does."""
+    """Return a square with sides of 24 mm, one corner per second, that rises like the helix."""
     angles = 0.5 * np.pi * np.arange(11)
     across = 0.012 * np.sqrt(2.0)
     rise = robot.parameters.tool_length + 0.010 * np.arange(11)
@@ -33,7 +33,7 @@ def _square(robot: Any) -> Trajectory:
 
 
 def _small_sway(robot: Any) -> Trajectory:
-    """Return a sway of half the amplitudes: within what was learned."""
+    """Return a sway of half the amplitudes, within the learned region."""
     whole = Sway(robot=robot)
     home = robot.reference[: robot.commanded]
     return FourierSeries(
@@ -68,15 +68,15 @@ TRAINED_RADIUS = 0.012
 """Radius of the narrow helix [m]."""
 
 RADII, PERIODS = (0.007, TRAINED_RADIUS), (2.0, 3.0)
-"""Ranges of the radius [m] and the time for a turn [s] of helices that are drawn; the narrow helix
-has the largest and the shortest.
+"""Ranges from which the radius [m] and the time for a turn [s] of helices are drawn; the narrow
+helix has the largest radius and the shortest time.
 """
 
 WIDE_RADIUS, FASTER = 0.022, 2.0
-"""Where the radius goes [m], and by what the speed is multiplied, when the robot departs."""
+"""Radius [m] after the departure, and factor on the speed."""
 
 EVENT, CHANGE = 5.0, 1.0
-"""Time of the event, and time that a change of speed or radius takes [s]."""
+"""Time of the event, and duration of a change of speed or radius [s]."""
 
 
 class DepartingHelix(Trajectory):
@@ -150,7 +150,7 @@ class DepartingHelix(Trajectory):
 
 
 def _drawn(last_radius: float, speed_up: float) -> Callable[[Any, np.random.Generator], Trajectory]:
-    """Return how a helix is drawn that departs to that radius (0 for its own) and speed."""
+    """Return a function that draws helices departing to a radius (0 keeps it) and speed."""
 
     def draw(robot: Any, rng: np.random.Generator) -> Trajectory:
         radius, period = rng.uniform(*RADII), rng.uniform(*PERIODS)
@@ -161,7 +161,7 @@ def _drawn(last_radius: float, speed_up: float) -> Callable[[Any, np.random.Gene
 
 
 NARROW = "narrow-helix"
-"""The helix around all those that are drawn, to learn on."""
+"""The helix to learn on; it encloses all drawn ones."""
 
 TRAJECTORIES_OF_MONITORS: dict[str, Callable[[Any, np.random.Generator], Trajectory]] = {
     NARROW: lambda robot, rng: Helix(radius=TRAINED_RADIUS, period=PERIODS[0], robot=robot),
@@ -170,7 +170,7 @@ TRAJECTORIES_OF_MONITORS: dict[str, Callable[[Any, np.random.Generator], Traject
     "drawn-helix-wider": _drawn(WIDE_RADIUS, 1.0),
 }
 """Trajectories of the 3-PSP on which monitors are tried: the narrow helix, and helices within it
-that the seed draws, of which the last two depart from it after :data:`EVENT`.
+that the seed draws. The last two depart from the learned region at :data:`EVENT`.
 """
 
 DRAWN = tuple(name for name in TRAJECTORIES_OF_MONITORS if name != NARROW)
@@ -178,14 +178,14 @@ DRAWN = tuple(name for name in TRAJECTORIES_OF_MONITORS if name != NARROW)
 
 
 def names_of_paths(robot: str) -> tuple[str, ...]:
-    """Return the names of a robot's trajectories, the one that is learned from first."""
+    """Return the names of a robot's trajectories; the first is the one for learning."""
     if robot == "psp3":
         return *TRAJECTORIES, *TRAJECTORIES_OF_MONITORS
     return tuple(TRAJECTORIES_OF_OTHERS)
 
 
 def path_named(name: str, robot_name: str, robot: Any, rng: np.random.Generator) -> Trajectory:
-    """Return a trajectory by its name; ``rng`` draws those of :data:`DRAWN`."""
+    """Return a trajectory by name; ``rng`` draws the ones in :data:`DRAWN`."""
     if name in TRAJECTORIES_OF_MONITORS:
         return TRAJECTORIES_OF_MONITORS[name](robot, rng)
     known = TRAJECTORIES if robot_name == "psp3" else TRAJECTORIES_OF_OTHERS

@@ -1,8 +1,9 @@
-r"""One run of the study: data, and what its values may be.
+r"""One run of a study: its fields, and the values that they may have.
 
 A controller tracks a trajectory under a noise, and its errors are measured
-(:mod:`psp3.study.execution`). Everything that decides a run is a field of :class:`Run`, so a run
-can be repeated anywhere from its row in a table of results. Noise has five readings:
+(:mod:`psp3.study.execution`). The fields of :class:`Run` determine a run completely, so a run can
+be repeated anywhere from its row in a table of results. The thesis does not say where its noise
+acts. A reading is one interpretation, and there are five:
 
 =============  =====================================================================================
 reading        what a signal-to-noise ratio S means (q = 10^(−S/20) is the ratio of amplitudes)
@@ -19,12 +20,13 @@ plant          every mass and inertia of the robot is off by a factor exp(q ε),
 =============  =====================================================================================
 
 The power of a signal is its mean square over the recorded training run, mean included, element by
-element. The thesis says neither this nor which elements are noisy, and its comparison comes out
-otherwise under other definitions: the fields ``snr_reference`` and ``noisy_entries`` choose them.
+element. The thesis defines neither this power nor which elements are noisy, and its comparison has
+another outcome under other definitions: the fields ``snr_reference`` and ``noisy_entries`` choose
+among them.
 
-Besides, the plant of a run can have a payload, masses that are off, drives with friction and motor
-inertia, encoders that count, measurement with a noise of its own and a delay, and it can start
-beside the path: fields that no signal-to-noise ratio scales.
+Further fields, which no signal-to-noise ratio scales, give the plant a payload, wrong masses,
+drives with friction and motor inertia, encoders with a finite resolution, separate measurement
+noise, a delay and a start beside the path.
 """
 
 from __future__ import annotations
@@ -72,22 +74,22 @@ from psp3.study.paths import DRAWN, names_of_paths
 from psp3.three_psp.parameters import PARAMETER_SETS
 
 CLASSICAL = ("feed-forward", "pd", "pd-gravity", "ctc", "ctc-integral", "lqr", "lqr-stiff")
-"""Names of the controllers that learn nothing: open loop, PD, PD with gravity, computed torque with
-the exact model and with an integral of the error, and the linear-quadratic regulator about as stiff
-as computed torque, and ten times as stiff.
+"""Names of the controllers that do not learn: open loop, PD, PD with gravity, computed torque with
+the exact model, the same with an integral of the error, and linear-quadratic regulators about as
+stiff as computed torque and ten times as stiff.
 """
 
 ADAPTIVE = {"adaptive-t1": "t1", "adaptive-it2": "it2"}
-"""Names of those whose rules adapt, and the kinds of the rules."""
+"""Names of the controllers whose rules adapt, and the kinds of their rules."""
 
 FUZZY = (*KINDS, *ADAPTIVE)
 """Names of the controllers that learn rules."""
 
 TYPE_1 = ("t1", "adaptive-t1")
-"""Those whose rules are of type 1, and have no mean variation."""
+"""Names of the controllers whose rules are of type 1 and have no mean variation."""
 
 CONTROLLERS = (*CLASSICAL, *FUZZY)
-"""Names of the controllers. Another one is named by where it is, ``"module:Name"``."""
+"""Names of the built-in controllers. Any other is named by its location, ``"module:Name"``."""
 
 READINGS = ("parameters", "measurement", "online", "plant", "inputs")
 """Names of the readings of noise."""
@@ -106,8 +108,8 @@ OF_PLANT = (
     "initial_error",
     "initial_speed_error",
 )
-"""Fields that say how the plant differs from what controllers believe: none is negative, and all
-are zero by default.
+"""Fields that say how the plant differs from the controllers' model: none is negative, and all are
+zero by default.
 """
 
 DRAWN_BY_SEED = (
@@ -117,7 +119,7 @@ DRAWN_BY_SEED = (
     "initial_error",
     "initial_speed_error",
 )
-"""Those of which the seed draws something."""
+"""Fields for which the seed draws random numbers."""
 
 OF_LEARNING = (
     "learner",
@@ -130,7 +132,7 @@ OF_LEARNING = (
     "samples",
     "defuzzify",
 )
-"""Fields of the controllers that learn rules."""
+"""Fields that concern only controllers that learn rules."""
 
 LEAST_SNR_OF_PLANT = -20.0
 """Least signal-to-noise ratio under the reading ``"plant"`` [dB]: masses are off by factors up to
@@ -138,10 +140,10 @@ exp(±40).
 """
 
 MOST_STEPS = 10_000_000
-"""Control periods of the longest run."""
+"""Number of control periods of the longest run."""
 
 LARGEST_INTEGER = 2**63 - 1
-"""Largest integer of a field, which is the largest one that SQLite holds."""
+"""Largest integer that a field may hold, which is SQLite's limit."""
 
 Value = str | int | float | None
 
@@ -156,7 +158,7 @@ class Run:
     Parameters
     ----------
     controller : str
-        One of ``CONTROLLERS``, or ``"module:Name"``: what is called with the robot and returns a
+        One of ``CONTROLLERS``, or ``"module:Name"``: a callable that takes the robot and returns a
         controller, or an estimator with ``fit(X, Y)`` and ``predict(X)``, see
         :mod:`psp3.study.entries`.
     reading : str
@@ -164,18 +166,17 @@ class Run:
     snr_db : float
         Signal-to-noise ratio [dB]; infinite for none.
     seed : int
-        Of the noise. Runs of the same seed see the same noise, whatever the controller, and the
-        same but for its amplitude at every signal-to-noise ratio: differences between controllers
-        can be paired.
+        Seed of the noise. Runs of one seed see the same noise whatever the controller, and at every
+        signal-to-noise ratio it differs only in amplitude, so controllers can be compared in pairs.
     trajectory : str, optional
-        A name in :mod:`psp3.study.paths`; unless given the first one of the robot, which is
-        ``"helix"`` of the 3-PSP and ``"sway"`` of any other.
+        A name in :mod:`psp3.study.paths`; by default the first one of the robot, which is
+        ``"helix"`` for the 3-PSP and ``"sway"`` for any other robot.
     learner, n_terms, mean_variation, levels, reduction, outside, term_width, samples
         See :class:`psp3.FuzzyComputedTorque`. The learner that the thesis cites, table look-up, is
-        ``"strict"``; unless given it is ``"strongest"``, of 209 samples and two terms of every
-        input, for the 3-PSP, and ``"least-squares"``, without a grid, for any other robot.
+        ``"strict"``. The default is ``"strongest"`` with 209 samples and two terms per input for
+        the 3-PSP, and ``"least-squares"`` without a grid for any other robot.
     payload : float
-        Mass that no controller knows of [kg]: at the center of the 3-PSP's star, and at the frame
+        Mass that no controller models [kg]: at the center of the 3-PSP's star, and at the frame
         ``tip`` of any other robot.
     coulomb_friction, viscous_friction, motor_inertia, lead
         Drive of each motor, see :class:`psp3.drives.drive.Drive` [N], [N s/m], [kg m²], [m per
@@ -183,42 +184,42 @@ class Run:
     encoder_resolution : float
         Travel of a joint per count of its encoder [m or rad], see :func:`psp3.simulate`.
     delay : int
-        Control periods by which forces come late, see :func:`psp3.simulate`.
+        Number of control periods by which the forces are delayed, see :func:`psp3.simulate`.
     parameters : str
         Name of the 3-PSP's parameter set.
     duration, period : float
         Length of the run and control period [s].
     snr_reference : str
-        What the signal-to-noise ratio is taken against, one of
+        Power that the signal-to-noise ratio refers to, one of
         :data:`psp3.fuzzy_control.records.REFERENCES`: a signal's mean square, its variance, or 1 in
-        its unit. Of no meaning under the reading ``"plant"``.
+        its unit. Ignored under the reading ``"plant"``.
     noisy_entries : str
         Which of M, C and G are noisy under the readings ``"parameters"`` and ``"online"``, one of
         :data:`psp3.fuzzy_control.records.ENTRIES`.
     defuzzify : str
-        Whether M, C and G become crisp, ``"first"``, or the fuzzy torque, ``"last"``, see
-        :class:`psp3.FuzzyComputedTorque`. Of no meaning but to ``"gt2"`` by two α-planes or more:
-        other torques are the same number either way.
+        Whether M, C and G are defuzzified (``"first"``) or the fuzzy torque is (``"last"``), see
+        :class:`psp3.FuzzyComputedTorque`. It matters only for ``"gt2"`` with two α-planes or more:
+        for all others the torque is the same number either way.
     robot : str
-        What :func:`psp3.load` takes: the name of a robot, or the path of its file.
+        Name of a robot or path of its file, as for :func:`psp3.load`.
     kp, kv : float, optional
-        Gains, of the kind that the controller takes. Unless given they are those of Table 6.1 for
-        the 3-PSP, and critically damped for any other robot
+        Gains, in the units that the controller takes. The defaults are those of Table 6.1 for the
+        3-PSP, and critically damped ones for any other robot
         (:func:`psp3.control.default_gains.default_gains`).
     learned_on : str, optional
-        The trajectory whose record the rules are learned from, and noise is set against; unless
-        given the first one of the robot.
+        The trajectory whose record the rules are learned from, and which sets the scale of the
+        noise; by default the first one of the robot.
     learning_seed : int, optional
-        Of the noise on the record that rules are learned from; ``seed`` unless given. With one for
-        all runs they have one controller.
+        Seed of the noise on the record that rules are learned from; ``seed`` by default. If all
+        runs share it, they share one controller.
     payload_from : float
-        Time from which on the robot carries the payload [s].
+        Time at which the robot picks up the payload [s].
     mass_mismatch : float
-        q of the reading ``"plant"``, besides another reading.
+        q of the reading ``"plant"``, to be combined with another reading.
     position_noise, speed_noise : float
         Standard deviations of white noise on measured positions [m or rad] and speeds.
     initial_error, initial_speed_error : float
-        Standard deviations of what positions and speeds at the start are off [m or rad, per s].
+        Standard deviations of the errors of positions and speeds at the start [m or rad, per s].
     """
 
     controller: str = "it2"
@@ -260,7 +261,7 @@ class Run:
     initial_speed_error: float = 0.0
 
     def __repr__(self) -> str:
-        """Return the fields that are not the default ones, as they are written."""
+        """Return the fields that differ from their defaults, as in a constructor call."""
         changed = [
             f"{field.name}={getattr(self, field.name)!r}"
             for field in fields(self)
@@ -269,12 +270,12 @@ class Run:
         return f"Run({', '.join([repr(self.controller), *changed])})"
 
     def _repr_html_(self) -> Markup:
-        """Return what a notebook shows."""
+        """Return the HTML that a notebook shows."""
         return element("code", printable(repr(self)))
 
     def __post_init__(self) -> None:
-        # One number is one run: of numpy, which grids are often made of, as of any other, and 20 as
-        # 20.0. What is no number stays, for the check to refuse it.
+        # Equal numbers must give equal runs, so NumPy's numbers, common in grids, become Python's,
+        # and 20 becomes 20.0. Anything else stays as it is, and the check refuses it.
         for value in _floats_of(self):
             if type(value) is not float and value is not None:
                 self._take_numbers()
@@ -285,25 +286,25 @@ class Run:
                 return
 
     def _take_numbers(self) -> None:
-        """Make Python's numbers of numpy's, and floats of integers where a field is one."""
+        """Convert NumPy's numbers to Python's, and integers to floats in float fields."""
         for name in _TYPES:
             value = getattr(self, name)
             plain = value.item() if isinstance(value, np.generic) else value
             if name in _FLOATS and type(plain) is int:
-                # What is no float stays, for the check to refuse it.
+                # A value that is not a float stays as it is, and the check refuses it.
                 with suppress(OverflowError):
                     plain = float(plain)
             object.__setattr__(self, name, plain)
 
     def check(self) -> None:
-        """Raise what is wrong with the values of the fields; nothing is loaded, moved or learned.
+        """Raise an error if a field is invalid; nothing is loaded, moved or learned.
 
         Raises
         ------
         UnknownName, UnknownRobot
             If a name is unknown.
         InvalidValue
-            If a number is outside of what it can be.
+            If a number is out of range.
         """
         self._check_names()
         if checked_snr(self.snr_db) < LEAST_SNR_OF_PLANT and self.reading == "plant":
@@ -341,7 +342,7 @@ class Run:
         for what, name, known in (
             ("reading", self.reading, READINGS),
             ("reduction", self.reduction, REDUCTIONS),
-            ("way outside of the trained range", self.outside, OUTSIDE),
+            ("treatment of inputs outside of the trained range", self.outside, OUTSIDE),
             ("reference of the signal-to-noise ratio", self.snr_reference, REFERENCES),
             ("choice of noisy entries", self.noisy_entries, ENTRIES),
             ("order of defuzzification", self.defuzzify, ORDERS),
@@ -370,9 +371,9 @@ class Run:
         return self.controller not in CLASSICAL
 
     def canonical(self) -> Run:
-        """Return the same run with every field that cannot matter at its default.
+        """Return the same run with all irrelevant fields at their defaults.
 
-        The mean variation and the trajectories are those that are used.
+        The mean variation and the trajectories that are used by default are filled in.
 
         Runs with the same canonical form have the same results, so a study does them once.
         """
@@ -388,7 +389,7 @@ class Run:
         if self.controller == "feed-forward":
             changed |= {"kp": None, "kv": None}
         if self.motor_inertia == 0.0:
-            # All forces are those at the joints.
+            # The lead matters only for the motor's inertia; friction is given at the joints.
             changed["lead"] = None
         if self.payload == 0.0:
             changed["payload_from"] = 0.0
@@ -403,7 +404,7 @@ class Run:
             changed["noisy_entries"] = "all"
         if reading == "plant":
             changed["snr_reference"] = "mean-square"
-        # What noise at run time is set against is the record, too.
+        # Noise at run time is scaled by the record, too.
         is_recorded = self.learns or reading in ("measurement", "online")
         known = names_of_paths(self.robot)[0] if self.learned_on is None else self.learned_on
         changed["learned_on"] = known if is_recorded else None
@@ -413,14 +414,14 @@ class Run:
 
     @property
     def variation_follows_noise(self) -> bool:
-        """Whether the mean variation is the one for the signal-to-noise ratio."""
+        """Whether the signal-to-noise ratio sets the mean variation."""
         return self.mean_variation is None and (
             self.controller in FUZZY and self.controller not in TYPE_1
         )
 
     @property
     def counts_seed(self) -> bool:
-        """Whether runs of other seeds have other results."""
+        """Whether the results depend on the seed."""
         is_drawn_once = self._is_noise_of_records and self.learning_seed is not None
         return (
             not (self._sees_no_noise() or is_drawn_once)
@@ -433,7 +434,7 @@ class Run:
         return self.reading in ("parameters", "inputs")
 
     def _drop_learning(self, changed: dict[str, Value]) -> None:
-        """Note what does not matter to a controller of what learning rules takes."""
+        """Add the canonical values of the learning fields to ``changed``."""
         if self.controller in CLASSICAL or _is_place(self.controller):
             kept = ("samples",) if _is_place(self.controller) else ()
             changed.update((name, DEFAULTS[name]) for name in OF_LEARNING if name not in kept)
@@ -454,7 +455,7 @@ class Run:
         elif self.reduction == "gaussian":
             dropped = ("levels", "defuzzify")
         elif self.levels == 1:
-            # The one cut's middle, by the same sums.
+            # With one α-plane both orders give its middle, by the same sums.
             dropped = ("defuzzify",)
         else:
             dropped = ()
@@ -468,7 +469,7 @@ class Run:
         if self.reading == "measurement":
             return self.controller == "feed-forward"
         if self.reading == "online":
-            # Of the exact model, PD with gravity takes G alone.
+            # PD with gravity uses only G of the exact model.
             is_without_gravity = self.noisy_entries == "mass-coriolis"
             return self.controller == "pd" or (
                 self.controller == "pd-gravity" and is_without_gravity
@@ -496,14 +497,14 @@ def field_types() -> dict[str, type[str] | type[int] | type[float]]:
 
 
 def values_of_field(name: str, given: Any) -> list[Value]:
-    """Return the value that is given of a field of runs, or the values, as a list.
+    """Return the value or values given for a field of runs as a list.
 
     Raises
     ------
     UnknownName
         If a run has no such field.
     InvalidValue
-        If a value is not of the type of the field, or there are too many.
+        If a value does not have the field's type, or there are too many values.
     """
     known_name("field of a run", name, field_types())
     single = str | bytes | np.ma.MaskedArray
@@ -518,7 +519,7 @@ def values_of_field(name: str, given: Any) -> list[Value]:
 
 
 def _of_type(name: str, kind: type[str] | type[int] | type[float], value: Any) -> Value:
-    """Return a value in the type of its field; numbers of numpy become Python's."""
+    """Return a value in the type of its field; NumPy's numbers become Python's."""
     plain = value.item() if isinstance(value, np.generic) else value
     if plain is None and DEFAULTS[name] is None:
         return None
@@ -551,12 +552,12 @@ _NOT_NEGATIVE = (
 )
 
 AMOUNTS = tuple(name for name in _NOT_NEGATIVE if name != "motor_inertia")
-"""Fields whose values, of which none is negative, matter alone: a check compares them with no other
-field, and the canonical form asks only whether they are given and zero.
+"""Fields that are never negative and do not interact with others: the check compares them with no
+other field, and the canonical form asks only whether they are given and whether they are zero.
 """
 
 values_of = attrgetter(*_TYPES)
-"""Returns the values of a run's fields as a tuple, in their order."""
+"""Returns the values of a run's fields as a tuple, in the order of the fields."""
 
 _floats_of, _others_of = attrgetter(*_FLOATS), attrgetter(*_OTHERS)
 _counts_of = attrgetter(*(name for name, _ in _LEAST))
@@ -570,7 +571,7 @@ def variation_of(snr_db: float) -> float:
 
 
 def _is_place(controller: object) -> bool:
-    """Tell whether this names a controller by where it is."""
+    """Return whether a name is the location of a controller."""
     if type(controller) is not str or ":" not in controller:
         return False
     module, _, name = controller.partition(":")
@@ -599,5 +600,5 @@ def _check_times(duration: float, period: float) -> None:
         raise InvalidValue(
             "period",
             period,
-            f"{THESIS_SAMPLING_PERIOD} s, at which errors are summed, or a whole part of it",
+            f"{THESIS_SAMPLING_PERIOD} s, at which errors are summed, or an integer fraction of it",
         )

@@ -2,15 +2,15 @@
 
 Estimates with 95 % intervals, what they estimate, and the number of seeds behind each.
 
-Errors of runs are skewed, and thirty of them are too few for a normal law. Means, differences and
-ratios of means carry symmetric bootstrap-t intervals, which reach further than other bootstraps and
-hold the truth more often; how often, says ``docs/concepts/intervals.md``. Ratios of geometric means
-carry Student's intervals on logarithms, which are nearly exact on such data. Two controllers are
-compared by seed, since runs of one seed see the same noise.
+Errors of runs are skewed, and thirty of them are too few for a normal approximation. Means,
+differences and ratios of means have symmetric bootstrap-t intervals, which are wider than other
+bootstrap intervals and hold the true value more often; ``docs/concepts/intervals.md`` says how
+often. Ratios of geometric means have Student's intervals on logarithms, which are nearly exact on
+such data. Two controllers are compared seed by seed, because runs of one seed see the same noise.
 
 A run that diverged has no error, and its NaN cannot be averaged. Such runs are left out of means,
-medians, differences and ratios, which favors the controller that diverges: their share stands
-beside every summary, and the count of an estimate is the number of its runs.
+medians, differences and ratios, which favors the controller that diverges. Therefore every summary
+also gives their share, and the count of an estimate is the number of runs that it uses.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Estimate:
     Parameters
     ----------
     value : float
-        The estimate; NaN if there is nothing to estimate from.
+        The estimate; NaN if there is no data.
     low, high : float
         Ends of the interval; NaN if there are fewer than two seeds.
     count : int
@@ -78,9 +78,9 @@ class Summary:
     run : Run
         The setting: the run with seed 0.
     mean, median : Estimate
-        Of the metric, over the runs that did not diverge.
+        Mean and median of the metric over the runs that did not diverge.
     diverged : Estimate
-        Share of the runs that did; its count is the number of all seeds.
+        Share of the runs that diverged; its count is the number of all seeds.
     """
 
     run: Run
@@ -91,25 +91,25 @@ class Summary:
 
 @dataclass(frozen=True)
 class Contrast:
-    """How a controller compares with another one, seed by seed.
+    """A controller compared with a baseline, seed by seed.
 
     Parameters
     ----------
     run : Run
-        The setting of the controller: its run with seed 0.
+        The controller's setting: its run with seed 0.
     baseline : str
         Controller that it is compared with.
     difference : Estimate
-        Mean of the metric's difference, controller minus baseline, over the seeds with which
-        neither diverged.
+        Mean difference of the metric, controller minus baseline, over the seeds with which neither
+        diverged.
     ratio : Estimate
-        Ratio of the metric's means, controller over baseline, over the same seeds: how much more
-        error all runs together have.
+        Ratio of the metric's means, controller over baseline, over the same seeds: the factor on
+        the total error of all runs.
     pairs : int
-        Number of seeds that both have, those with which one diverged too.
+        Number of seeds that both have, including those with which one diverged.
     ratio_of_geometric_means : Estimate
-        Geometric mean of the ratios seed by seed, over the same seeds: by what factor the
-        controller changes the error of a typical run. NaN if the metric is not positive.
+        Geometric mean of the ratios by seed, over the same seeds: the factor on the error of a
+        typical run. NaN if the metric is not positive.
     """
 
     run: Run
@@ -126,22 +126,22 @@ def mean(values: ArrayLike, rng: np.random.Generator | None = None) -> Estimate:
     .. math:: P\big( |\hat\theta^* - \hat\theta| / s^* \le q \big) = 0.95, \qquad
               \hat\theta - q s \le \theta \le \hat\theta + q s
 
-    with :math:`\theta` the logarithm of the mean where all values are positive, and the mean where
-    not; :math:`s` is its standard error by the delta method, and stars mark resamples. Differences
-    belong into :func:`paired_difference`, which takes no logarithm even if all have one sign.
+    with :math:`\theta` the logarithm of the mean if all values are positive, and otherwise the
+    mean; :math:`s` is its standard error from the delta method, and stars mark resamples. For
+    differences use :func:`paired_difference`, which takes no logarithm even if all have one sign.
 
     Parameters
     ----------
     values : (N,) array_like
         One number per seed; those that are not finite are left out.
     rng : numpy.random.Generator, optional
-        Source of the resamples; unless given, the same one at every call.
+        Source of the resamples; the same at every call unless given.
 
     Returns
     -------
     Estimate
-        Its interval is Student's if there are so few values, or so few different ones, that more
-        than 5 % of the resamples have no spread.
+        Its interval is Student's if more than 5 % of the resamples have no spread, because there
+        are too few values or too few different ones.
 
     Raises
     ------
@@ -215,8 +215,8 @@ def ratio_of_geometric_means(first: ArrayLike, second: ArrayLike) -> Estimate:
     .. math:: \exp \Big( \bar d \pm t_{N - 1}\, s_d / \sqrt N \Big), \qquad
               d_k = \ln \frac{x_k}{y_k}
 
-    This is the factor between typical runs. It is not the ratio of means, which runs with large
-    errors decide.
+    This is the factor between typical runs. The ratio of means differs: runs with large errors
+    dominate it.
 
     Parameters
     ----------
@@ -263,7 +263,7 @@ def share(events: ArrayLike) -> Estimate:
     Raises
     ------
     InvalidArray
-        If there are other numbers than 0 and 1.
+        If a value is neither 0 nor 1.
     """
     happened = as_floats("events", events, "(N,)")
     if np.ndim(events) != 1 or not np.isin(happened, (0.0, 1.0)).all():
@@ -304,7 +304,7 @@ def summarize(
     Returns
     -------
     list of Summary
-        In the order in which the settings come.
+        One for each setting, in the order of the rows.
 
     Raises
     ------
@@ -339,8 +339,9 @@ def compare(
     rows : Table or iterable of mapping
         Results of both, see :meth:`psp3.Study.rows`.
     controller, baseline : str
-        Names of the controllers. Settings that mean nothing to the baseline, as the mean variation
-        to type-1, do not separate the two; so the baseline is the one with fewer of them.
+        Names of the controllers. Fields that do not apply to the baseline, such as the mean
+        variation of a type-1 controller, are ignored in the pairing, so choose as baseline the
+        controller with fewer fields.
     metric : str
         One of :data:`psp3.study.run.METRICS`.
     rng : numpy.random.Generator, optional
@@ -400,14 +401,14 @@ def _partners(
     baseline: str,
     groups: Mapping[Run, NDArray[np.intp]],
 ) -> NDArray[np.intp]:
-    """Return the rows of a setting with those of the baseline of the same seeds, (M, 2)."""
+    """Return the rows of a setting paired with the baseline's rows of the same seeds, (M, 2)."""
     other = replace(setting, controller=baseline)
     partner = other.canonical()
     there = groups.get(replace(partner, seed=0))
     if there is None:
         return np.empty((0, 2), dtype=np.intp)
     if not other.counts_seed:
-        # The baseline is the same for all seeds, and is done once.
+        # The baseline does not depend on the seed and has one row.
         alone = there[table.seeds[there] == 0]
         return (
             np.stack(np.broadcast_arrays(places, alone), axis=1)
@@ -426,7 +427,7 @@ def check_metric(metric: str) -> None:
 
 
 def _finite(**named: ArrayLike) -> list[Array]:
-    """Return rows of the same length without the columns in which one is not finite."""
+    """Return rows of equal length without the columns that hold a value that is not finite."""
     rows = [as_floats(name, values, "(N,)") for name, values in named.items()]
     for (name, values), row in zip(named.items(), rows, strict=True):
         if np.ndim(values) != 1 or len(row) != len(rows[0]):

@@ -1,21 +1,21 @@
-"""A study: many runs, kept in a file, whose statistics have confidence intervals.
+"""A study: many runs whose results are kept in a file.
 
 A study is a set of runs (:class:`~psp3.study.run.Run`) and a file. Runs that are in the file are
-not repeated, so the same lines begin a study, resume one that was stopped, however it was stopped,
-and extend one with more seeds::
+not repeated, so the same lines begin a study, resume one after any interruption, and extend one
+with more seeds::
 
     runs = psp3.grid(controller=["t1", "it2"], snr_db=[20, 15, 10], seed=range(30))
     study = psp3.Study("study.sqlite", runs)
     study.run()
     psp3.statistics.summarize(study.rows())
 
-Every run is decided by its fields alone, seed included, so it makes no difference which worker does
-it, or when.
+A run depends on its fields alone, seed included, so it does not matter which worker does it, or
+when.
 
 Workers are threads: a run spends nearly all its time in compiled loops that release the GIL. With
-``scheduler`` they are those of a dask.distributed cluster; results still come back here and are
-written by this process alone. Runs are handed out a few at a time, so the memory that a study takes
-grows with its table and not with what is under way.
+``scheduler`` the workers are those of a dask.distributed cluster; results still come back to this
+process, which alone writes them. Runs are handed out a few at a time, so the memory of a study
+grows only with its table.
 """
 
 from __future__ import annotations
@@ -45,15 +45,15 @@ from psp3.study.table import Table
 from psp3.study.under_way import UnderWay
 
 MOST_FAILURES = 10
-"""After so many failed runs a study hands out no more: something is wrong with all of them."""
+"""A study stops handing out runs after this many have failed, because all are probably wrong."""
 
 HANDED_OUT = 2
-"""Runs under way for each worker: the second one waits, so that no worker waits while results are
+"""Runs handed out to each worker: the second is queued, so the worker stays busy while results are
 written.
 """
 
 LOOK_UP = 5.0
-"""How long to wait for a result before looking whether there still is anybody who works [s]."""
+"""How long to wait for a result before checking that there still are workers [s]."""
 
 Progress = Callable[[int, int, float], None]
 
@@ -66,22 +66,22 @@ class Study(Described):
     path : path
         SQLite file of the results. It is made by :meth:`run`, and extended if it exists.
     runs : iterable of Run, optional
-        The runs, see :func:`grid`; those that are equal in all that matters count once. Without
-        them the study is what is in the file.
+        The runs, see :func:`grid`; runs with the same canonical form count once. By default the
+        study has the runs that are in the file.
 
     Attributes
     ----------
     path : Path
         The file.
     runs : sequence of Run or None
-        The runs, each once and in canonical form; None if they are those of the file.
+        The runs, each once and in canonical form; None if the study has the runs of the file.
 
     Raises
     ------
     InvalidStudyFile, StudyMismatch
         If the file exists and cannot be used.
     InvalidValue, UnknownName, PSP3Error
-        If there are no runs, or one of them makes no sense; see :meth:`psp3.study.run.Run.check`.
+        If there are no runs, or one of them is invalid; see :meth:`psp3.study.run.Run.check`.
     """
 
     def __init__(self, path: str | Path, runs: Iterable[Run] | None = None) -> None:
@@ -90,7 +90,7 @@ class Study(Described):
         self.path = self._file.path
 
     def _facts(self) -> dict[str, Any]:
-        # How many are done only the file knows, which is not read for this.
+        # The number of finished runs is not shown, because that would mean to read the file.
         return {
             "file": self.path.name if self.path.exists() else f"{self.path.name}, not made yet",
             "runs": "those of the file" if self.runs is None else len(self.runs),
@@ -102,7 +102,7 @@ class Study(Described):
         scheduler: str | None = None,
         progress: Progress | None = None,
     ) -> int:
-        """Do the runs that are not yet in the file; each is on disk half a second after it is done.
+        """Do the runs that are not in the file; each is on disk half a second after it is done.
 
         Parameters
         ----------
@@ -117,23 +117,24 @@ class Study(Described):
         Returns
         -------
         int
-            How many runs were done now.
+            Number of runs that this call did.
 
         Raises
         ------
         InvalidValue
             If ``workers`` is not a positive integer, or is given together with a scheduler.
         StudyFileNotWritable, StudyInUse, StudyMismatch
-            Before any work, if the file cannot be written to, or another study is writing to it;
-            the first one also later, when the disk is full. What is in the file stays.
+            Before any work, if the file cannot be written to, or another study is writing to it.
+            ``StudyFileNotWritable`` can also come later, when the disk is full. What is in the file
+            stays.
         SchedulerUnavailable
             Before any work, if the scheduler or its workers cannot be used; later, if the
             connection is lost.
         RunsFailed
             At the end, if runs raised errors; the results of the others are kept.
         StudyInterrupted
-            After Ctrl-C, at whatever moment; a :class:`KeyboardInterrupt`. Runs that have begun
-            are finished and kept.
+            After Ctrl-C at any moment; it is a :class:`KeyboardInterrupt`. Runs that have begun are
+            finished and kept.
         """
         if progress is not None:
             checked_function("progress", progress)
@@ -142,7 +143,7 @@ class Study(Described):
             raise InvalidValue(
                 "runs",
                 None,
-                "given to the study that is to do them; without them it only reads its file",
+                "given to a study that does runs; without them it only reads its file",
             )
         under_way: UnderWay[Run, Mapping[str, float]] = UnderWay()
         session: _Session | None = None
@@ -183,19 +184,19 @@ class Study(Described):
         return len(places)
 
     def rows(self, **selection: Value | Iterable[Value]) -> Table:
-        """Return results in the order of their fields, as a sequence of rows and as columns.
+        """Return results ordered by their fields, as a table of rows and columns.
 
         Parameters
         ----------
         **selection
-            Fields with the value, or the values, that are wanted:
-            ``rows(controller="it2", snr_db=[20, 10])``.
+            Fields, each with one or more values to select: ``rows(controller="it2", snr_db=[20,
+            10])``.
 
         Returns
         -------
         Table
-            Fields and metrics of every run of this study that is done: ``table[0]`` is a
-            dictionary, ``table.column("rms_error")`` an array.
+            Fields and metrics of every finished run of this study: ``table[0]`` is a dictionary,
+            ``table.column("rms_error")`` an array.
 
         Raises
         ------
@@ -210,22 +211,22 @@ class Study(Described):
         return rows.select(**selection)
 
     def export(self, path: str | Path, **selection: Value | Iterable[Value]) -> Path:
-        """Write results to a CSV file, all at once, and return its path.
+        """Write results to a CSV file and return its path.
 
-        Numbers are written so that reading gives the same numbers; ``inf`` and ``nan`` are words,
-        None is empty.
+        Numbers are written with enough digits to be read back exactly; infinity is ``inf``, NaN is
+        ``nan``, and None is empty.
 
         Parameters
         ----------
         path : path
-            The file; an existing one is replaced only when the new one is complete.
+            The CSV file; an existing one is replaced only when the new one is complete.
         **selection
             As for :meth:`rows`.
 
         Raises
         ------
         InvalidValue
-            If it is the study's own file.
+            If ``path`` is the study's own file.
         fuzzy2.errors.FileNotWritten
             If it cannot be written.
         """
@@ -248,16 +249,17 @@ def results_of(runs: Iterable[Run], workers: int | None = None) -> Table:
     Parameters
     ----------
     runs : iterable of Run
-        The runs; those that are equal in all that matters are done once.
+        The runs; those with the same canonical form are done once.
     workers : int, optional
-        Number of threads; all cores of this process unless given. The result does not depend on it.
+        Number of threads; by default the number of cores that this process may use. The result does
+        not depend on it.
 
     Raises
     ------
     InvalidValue
         If ``workers`` is not a positive integer.
     PSP3Error
-        What is wrong with a run, before any work; what goes wrong with one, at once.
+        Before any work, if a run is invalid; during the work, as soon as a run fails.
     """
     wanted = Runs(runs)
     count = len(os.sched_getaffinity(0)) if workers is None else checked_count("workers", workers)
@@ -279,7 +281,7 @@ def _check_workers(workers: int | None, scheduler: str | None) -> None:
     if workers is not None:
         checked_count("workers", workers)
     if workers is not None and scheduler is not None:
-        raise InvalidValue("workers", workers, "left out where a scheduler has its own")
+        raise InvalidValue("workers", workers, "left out with a scheduler, which has its own")
     if scheduler is not None:
         cluster.host_and_port(scheduler)
 
@@ -288,7 +290,7 @@ def _check_workers(workers: int | None, scheduler: str | None) -> None:
 def _workers(
     workers: int | None, scheduler: str | None, interrupts: Interrupts
 ) -> Iterator[tuple[Executor, Callable[[], int]]]:
-    """Yield who does the runs, and what tells how many of them at a time."""
+    """Yield the executor, and a function that returns how many runs it does at a time."""
     with ExitStack() as stack:
         with interrupts.obeyed_at_once():
             them = _threads(workers) if scheduler is None else cluster.connected(scheduler)
@@ -297,7 +299,7 @@ def _workers(
 
 
 class _Session:
-    """One call of :meth:`Study.run`: what is to be done, under way, done, and failed."""
+    """The state of one call of :meth:`Study.run`: runs to do, under way, done and failed."""
 
     def __init__(
         self,
@@ -317,7 +319,7 @@ class _Session:
 
     @property
     def done(self) -> int:
-        """Number of runs of the study that are in the file, or will be in half a second."""
+        """Number of the study's runs that are in the file or about to be committed."""
         now = self._additions.committed + self._additions.waiting - self._in_file_before
         return self._there_before + now
 
@@ -325,7 +327,7 @@ class _Session:
         if self._progress is not None:
             now = self.done - self._there_before
             rate = now / (time.monotonic() - self._start) if now else 0.0
-            # What others do with it may take long, or wait for somebody.
+            # The caller's ``progress`` may take long or wait for something.
             with self._interrupts.obeyed_at_once():
                 self._progress(self.done, self.total, rate)
 
@@ -349,14 +351,14 @@ class _Session:
                     self._under_way.hand_out(executor, run, execute, run)
                 if not self._under_way:
                     return
-                # Not without end: with bad luck dask tells nobody that it has lost its scheduler,
-                # and count_workers finds it out.
+                # The wait is limited: dask does not always report that it has lost its scheduler,
+                # but count_workers detects it.
                 finished = self._under_way.finished(min(LOOK_UP, self._additions.due()))
                 self._keep(finished)
                 if finished:
                     self.report()
         except KeyboardInterrupt:
-            # What has begun here cannot be stopped, but is soon done, and is kept.
+            # Runs that have begun on threads cannot be stopped, but they end soon and are kept.
             self._under_way.cancel()
             while self._under_way:
                 self._keep(self._under_way.finished())
@@ -365,7 +367,7 @@ class _Session:
             self._under_way.cancel()
 
     def _keep(self, finished: Iterable[Future[Mapping[str, float]]]) -> None:
-        """Keep results: they are committed with those that come soon after them."""
+        """Keep results: they are committed together with those that come soon after."""
         results, lost = [], False
         for future in finished:
             run = self._under_way[future]
@@ -378,7 +380,8 @@ class _Session:
             else:
                 self.failures[run] = error
         self._additions.add(results)
-        # Only now: what is not committed must be found under way, whatever comes between.
+        # Removed only now: after an interrupt, runs that are not committed must still be found
+        # under way.
         for future in finished:
             self._under_way.take(future)
         if lost:

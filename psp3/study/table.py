@@ -1,4 +1,4 @@
-"""Results of many runs as columns: what is different, and numbers, of 0.1 kB a row."""
+"""Results of many runs as columns; shared values are stored once, so a row takes 0.1 kB."""
 
 from __future__ import annotations
 
@@ -20,15 +20,14 @@ Row = dict[str, Any]
 class Table(Sequence[Row]):
     """Fields and metrics of many runs, in the order of their settings and seeds.
 
-    A row is a dictionary that is made when it is asked for; :meth:`column` gives all of a column at
-    once.
+    A row is a dictionary that is made on access; :meth:`column` gives a whole column.
 
     Parameters
     ----------
     settings : sequence of Run
         The different settings: runs with seed 0. They are kept as columns.
     setting : (N,) array_like of int
-        Which of them each row has.
+        Index of the setting of each row.
     seeds : (N,) array_like of int
         Seed of each row.
     metrics : (N, K) array_like
@@ -43,7 +42,7 @@ class Table(Sequence[Row]):
 
     @classmethod
     def of(cls, rows: Table | Iterable[Mapping[str, Any]]) -> Table:
-        """Return rows, each with the fields and metrics of a run by name, as a table."""
+        """Return a table from rows, mappings with a run's fields and metrics by name."""
         if isinstance(rows, Table):
             return rows
         places: dict[Run, int] = {}
@@ -60,7 +59,7 @@ class Table(Sequence[Row]):
 
     def in_order(self) -> Table:
         """Return the same rows in the order of their settings' fields and their seeds."""
-        # What does not differ need not be compared.
+        # Fields that do not differ need no comparison.
         columns = [
             [(value is not None, value) for value in column] if None in column else column
             for column in map(self.settings.columns.__getitem__, self.settings.differing)
@@ -90,7 +89,7 @@ class Table(Sequence[Row]):
         return {**contents(self.run(index)), **values}
 
     def run(self, index: int) -> Run:
-        """Return the run of a row, counted from 0, or from the end if negative."""
+        """Return the run of a row; a negative row number counts from the end."""
         least = -len(self)
         if not least <= checked_count("index", index, least) < len(self):
             raise InvalidValue("index", index, f"that of one of the {len(self)} rows")
@@ -115,7 +114,7 @@ class Table(Sequence[Row]):
         return np.asarray(values[self.setting])
 
     def select(self, **selection: Value | Iterable[Value]) -> Table:
-        """Return the rows whose fields have the value, or one of the values, that are wanted.
+        """Return the rows whose fields have the selected value, or one of the values.
 
         Raises
         ------
@@ -135,7 +134,7 @@ class Table(Sequence[Row]):
         return self.taken(np.flatnonzero(keep))
 
     def groups(self) -> list[tuple[Run, NDArray[np.intp]]]:
-        """Return the settings that have rows with the places of these, in the order of the rows."""
+        """Return each setting and the indices of its rows, in the order of the rows."""
         if not len(self):
             return []
         order = np.argsort(self.setting, kind="stable")
@@ -145,21 +144,22 @@ class Table(Sequence[Row]):
         return [(self.settings[number], part) for number, part in found]
 
     def values(self, metric: str) -> Array:
-        """Return a metric of all rows, (N,); NaN of those that diverged.
+        """Return a metric of all rows, (N,); NaN for rows that diverged.
 
-        What a run measured before it diverged, such as its effort, is that of a shorter run.
+        The metrics of a diverged run, such as its effort, cover a shorter time and are not
+        comparable.
         """
         if metric == "diverged":
             return self.column(metric)
         return np.where(self.column("diverged") > 0.0, np.nan, self.column(metric))
 
     def taken(self, rows: NDArray[np.intp]) -> Table:
-        """Return the rows at these places.
+        """Return the rows with these indices.
 
         Raises
         ------
         InvalidValue
-            If they are no whole numbers, or there is no such row.
+            If an index is not a whole number, or there is no such row.
         """
         given = as_floats("rows", rows, "(N,)")
         is_row = given.ndim == 1 and np.ndim(rows) == 1 and np.asarray(rows).dtype.kind in "iu"

@@ -12,10 +12,10 @@ Found = TypeVar("Found")
 
 
 class UnderWay(Generic[Work, Found]):
-    """What executors do at the moment.
+    """The work that executors are doing now.
 
-    Not :func:`concurrent.futures.wait`: nobody can wake it, and an interrupt within it leaves locks
-    behind. A simple queue can be put into by handlers of signals.
+    :func:`concurrent.futures.wait` does not suffice: it cannot be woken, and an interrupt within it
+    leaves locks held. Signal handlers may put items into a ``SimpleQueue``, so one is used here.
     """
 
     def __init__(self) -> None:
@@ -31,24 +31,24 @@ class UnderWay(Generic[Work, Found]):
     def hand_out(
         self, executor: Executor, work: Work, function: Callable[..., Found], *arguments: Any
     ) -> None:
-        """Let an executor call a function."""
+        """Let an executor call a function on an item."""
         future = executor.submit(function, *arguments)
         self._work[future] = work
         future.add_done_callback(self._back.put)
 
     def wake(self) -> None:
-        """End the waiting of :meth:`finished`."""
+        """End the wait of :meth:`finished`."""
         self._back.put(None)
 
     def finished(self, patience: float | None = None) -> list[Future[Found]]:
-        """Return what has come back, waiting for the first of it; nothing when it was woken.
+        """Wait until at least one future is finished and return all that are; none if woken.
 
-        It stays under way until it is taken.
+        They stay under way until :meth:`take` removes them.
 
         Parameters
         ----------
         patience : float, optional
-            How long to wait [s]; without end unless given.
+            How long to wait [s]; without limit by default.
         """
         found: list[Future[Found] | None] = []
         try:
@@ -59,10 +59,10 @@ class UnderWay(Generic[Work, Found]):
             return [future for future in found if future is not None and future in self._work]
 
     def take(self, future: Future[Found]) -> Work:
-        """Return what was to be done; it is not under way any more."""
+        """Return the item of a future, which is then no longer under way."""
         return self._work.pop(future)
 
     def cancel(self) -> None:
-        """Forget what has not begun."""
+        """Cancel the items that have not begun."""
         for future in [future for future in self._work if future.cancel()]:
             del self._work[future]

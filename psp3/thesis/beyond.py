@@ -1,4 +1,4 @@
-"""What the thesis does not show: other learners, readings of noise, terms and trajectories."""
+"""Comparisons that the thesis lacks: other learners, readings of noise, terms and trajectories."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from psp3.thesis.plan import (
 
 
 def learners(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
-    """Add what the learner does, with type-1, type-2 and general type-2."""
+    """Add the comparison of learners, with type-1, type-2 and general type-2."""
     rows, numbers, not_better, means = [], {}, [], {}
     for learner, label in LEARNERS.items():
         for snr in (math.inf, *plan.sweep_levels):
@@ -87,12 +87,12 @@ def learners(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
                 "verdict",
             ],
             rows,
-            "Reading 'parameters', two terms an input. Strongest sample: every rule keeps the "
+            "Reading 'parameters', two terms per input. Strongest sample: every rule keeps the "
             "sample that fires it most (the default of this package). Weighted average: the mean "
             "of all samples, weighted with how strongly they fire the rule. Table look-up of "
             "Wang and Mendel: the procedure that we take the thesis to cite, as published; empty "
-            "cells take the nearest rule. Ridge: "
-            "least squares, held near the average. Diverged: shares for type-1, type-2 and "
+            "cells take the nearest rule. Ridge: least squares, regularized towards the "
+            "average. Diverged: shares for type-1, type-2 and "
             "general type-2. Verdict: by the difference of means, seed by seed. "
             f"{in_brackets([plan.seeds], 'mean', 'ratio of means')} "
             + (
@@ -118,7 +118,7 @@ def learners(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
 
 
 def averaging(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
-    """Add type-1 with wider terms: whether averaging over rules is what type-2 gains."""
+    """Add type-1 with wider terms, to see whether type-2 gains by averaging over rules."""
     rows: list[list[str]] = []
     found = {
         learner: _wider_terms(results, plan, learner, seeds, rows)
@@ -143,8 +143,8 @@ def averaging(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
             rows,
             "Type-2 terms reach over more of each input's range, so more rules fire, and the "
             "noise in their consequents averages out. Type-1 terms with a greater standard "
-            "deviation do the same with the same rules. The row without noise is what wide terms "
-            "cost where there is no noise to average. "
+            "deviation do the same with the same rules. The row without noise shows the cost of "
+            "wide terms when there is no noise to average. "
             f"{in_brackets([plan.seeds, plan.sweep_seeds], 'mean')}",
             detail=True,
         )
@@ -260,10 +260,10 @@ def readings(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
                 "verdict",
             ],
             rows,
-            "Rules are learned without noise here, with the mean variation that belongs to the "
-            "signal-to-noise ratio. Masses off: every mass and inertia of the robot by a factor "
-            "exp(q ε), and a payload of 5 kg · q |ε| on the star, with q = 10^(−SNR/20) and ε "
-            "standard normal; no controller knows of it. "
+            "Rules are learned without noise here, with the mean variation for the "
+            "signal-to-noise ratio. Masses off: every mass and inertia of the robot is off by a "
+            "factor exp(q ε), and a payload of 5 kg · q |ε| is on the star, with "
+            "q = 10^(−SNR/20) and ε standard normal; no controller's model includes this. "
             f"{in_brackets([plan.sweep_seeds], 'difference of means')}",
             detail=True,
         )
@@ -285,9 +285,9 @@ def readings(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
 
 
 def breaking_noise(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
-    """Add the noise at which each fuzzy controller breaks.
+    """Add the noise level at which each fuzzy controller breaks.
 
-    Loses a nut off its screw, or the robot altogether.
+    It breaks when a nut leaves its screw or the robot is lost.
     """
     rows, numbers, levels = [], {}, (*plan.sweep_levels, *NOISIER)
     for learner in ("strongest", "average"):
@@ -352,8 +352,8 @@ def mean_variations(results: Outcomes, plan: Plan, outcome: Reproduction) -> Ser
             ["mean variation, share of the range", *series],
             rows,
             "Reading 'parameters', strongest sample. The rule of this package takes "
-            f"{listed(rule)} at {at} dB; the least mean errors are at {listed(least)}, of what "
-            f"was tried. {in_brackets([plan.sweep_seeds], 'mean')}",
+            f"{listed(rule)} at {at} dB; of the values tried, the least mean errors are at "
+            f"{listed(least)}. {in_brackets([plan.sweep_seeds], 'mean')}",
             figures=("mean_variation",),
             detail=True,
         )
@@ -404,9 +404,10 @@ def numbers_of_terms(results: Outcomes, plan: Plan, outcome: Reproduction) -> No
                 *("no noise" if math.isinf(snr) else f"{snr:g} dB" for snr in levels),
             ],
             rows,
-            "Table look-up of Wang and Mendel, because only it fills the cells that the helix "
-            "never visits, with the nearest rule: with three terms or more the other learners "
-            "find rules that no sample fires, and refuse. The thesis says that more terms 'do not "
+            "The learner is the table look-up of Wang and Mendel. Only it can fill the cells that "
+            "the helix never visits, with the nearest rule; with three terms or more the other "
+            "learners find rules that no sample fires, and raise an error. The thesis says that "
+            "more terms 'do not "
             f"offer significant improvements' and shows no numbers. Here {plan.terms[-1]} terms "
             f"instead of {plan.terms[0]} leave {shares}. "
             f"{in_brackets([plan.sweep_seeds], 'mean')}",
@@ -416,7 +417,7 @@ def numbers_of_terms(results: Outcomes, plan: Plan, outcome: Reproduction) -> No
 
 
 def other_trajectories(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
-    """Add trajectories that the rules were not learned on, and where each controller breaks."""
+    """Add trajectories that the rules were not learned on, and where controllers break."""
     rows, numbers = [], {}
     for trajectory in plan.trajectories:
         open_loop = Run("feed-forward", trajectory=trajectory)
@@ -464,12 +465,12 @@ def other_trajectories(results: Outcomes, plan: Plan, outcome: Reproduction) -> 
                 "steps inside the trained range",
             ],
             rows,
-            "Rules are learned on the helix (20 mm, 2 s a turn); fast-helix: 1 s a turn; "
+            "Rules are learned on the helix (20 mm, 2 s per turn); fast-helix: 1 s per turn; "
             "fastest-helix: 0.4 s; large-helix: 23.5 mm, at the fold of the tip's workspace; "
-            "waypoints: a square, a corner a second. The circle asks for the same differences of "
-            "heights as the helix, so to the rules it is no new path. Without noise type-1 and "
-            "type-2 are the same. Open loop has nothing that holds the robot on its path, and is "
-            "lost wherever it starts with the wrong speed. Outside of the trained range the "
+            "waypoints: a square, one corner per second. The circle needs the same differences of "
+            "heights as the helix, so it is not a new path for the rules. Without noise type-1 and "
+            "type-2 are the same. Open-loop control does not hold the robot on its path, and "
+            "loses it wherever it starts with the wrong speed. Outside of the trained range the "
             "inputs are clamped to it (last column: without noise, default rules). "
             f"{in_brackets([plan.sweep_seeds], 'mean')}",
             detail=True,

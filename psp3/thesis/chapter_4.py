@@ -1,12 +1,12 @@
 r"""Control-law partitioning: chapter 4 of the thesis, eq. 4.9 to 4.18.
 
-:class:`PartitionedControl` is the law that turns *any* system
+:class:`PartitionedControl` is the control law that turns *any* system
 
 .. math:: m(x)\, \ddot x + f(x, \dot x) = F
 
-into a unit mass and then lets the error decay like a mass-spring-damper of one's choice (eq. 4.18):
-computed torque control in one dimension. :func:`simulate_tracking` closes the loop, also with a
-model that is wrong. The systems are those of :mod:`psp3.thesis.chapter_4_systems`.
+into a unit mass, and then makes the error decay like a chosen mass-spring-damper (eq. 4.18). It is
+computed torque control in one dimension. :func:`simulate_tracking` simulates the closed loop, also
+with a wrong model. The systems are those of :mod:`psp3.thesis.chapter_4_systems`.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Desired(NamedTuple):
 class PartitionedControl:
     r"""Control-law partitioning with a trajectory-following servo (eq. 4.10 to 4.18, Fig. 40).
 
-    The model-based part makes a unit mass of the system, the servo part moves the unit mass:
+    The model-based part turns the system into a unit mass, and the servo part moves it:
 
     .. math:: F = \alpha(x)\, f' + \beta(x, \dot x), \qquad
               f' = \ddot x_d + k_v \dot e + k_p e, \qquad e = x_d - x
@@ -81,7 +81,7 @@ class PartitionedControl:
 
     @classmethod
     def of(cls, system: SecondOrderSystem, kp: float, kv: float) -> PartitionedControl:
-        r"""Return the law of exact model, :math:`\alpha = m` and :math:`\beta = f` (eq. 4.12).
+        r"""Return the law with exact model, :math:`\alpha = m` and :math:`\beta = f` (eq. 4.12).
 
         Parameters
         ----------
@@ -99,11 +99,11 @@ class PartitionedControl:
 
     @property
     def error_dynamics(self) -> MassSpringDamper:
-        r"""The error's own equation, :math:`\ddot e + k_v \dot e + k_p e = 0` (eq. 4.18).
+        r"""The error equation, :math:`\ddot e + k_v \dot e + k_p e = 0` (eq. 4.18).
 
-        As a system of unit mass.
+        It is returned as a system of unit mass.
 
-        Its ``response(t, e0, e0_dot)`` is the error to expect, its ``is_stable`` says whether the
+        Its ``response(t, e0, e0_dot)`` is the expected error, and ``is_stable`` says whether the
         error dies out.
         """
         return MassSpringDamper(1.0, self.kv, self.kp)
@@ -111,7 +111,7 @@ class PartitionedControl:
     def servo(self, desired: Desired, position: float, speed: float) -> float:
         r"""Return the servo part :math:`f' = \ddot x_d + k_v \dot e + k_p e` (eq. 4.16).
 
-        With a desired motion at rest in 0 it is eq. 4.14.
+        If the desired motion is at rest in 0, this is eq. 4.14.
 
         Parameters
         ----------
@@ -123,7 +123,7 @@ class PartitionedControl:
         Returns
         -------
         float
-            Acceleration that is asked of the unit mass [m/s²].
+            Acceleration command for the unit mass [m/s²].
         """
         return (
             desired.acceleration
@@ -164,7 +164,7 @@ class Tracking:
     desired_position, desired_speed : (N,) ndarray
         Desired motion [m], [m/s].
     force : (N,) ndarray
-        Force that the control law asked for [N].
+        Force of the control law [N].
     """
 
     t: Array
@@ -205,11 +205,11 @@ def simulate_tracking(
     system : SecondOrderSystem
         The system.
     control : PartitionedControl
-        The control law. Its model of the system need not be right.
+        The control law. Its model of the system may be wrong.
     desired : callable
         From a time [s] to the :class:`Desired` motion.
     t : (N,) array_like
-        Increasing times at which to report, at least two [s]; the motion starts at the first.
+        Increasing times of the returned samples, at least two [s]; the motion starts at the first.
     position, speed : float
         State at the first time [m], [m/s].
 
@@ -226,7 +226,7 @@ def simulate_tracking(
         If the times do not increase, or a mass is not positive, or a start value is not a finite
         number.
     MotionDiverged
-        If the motion leaves the range of the numbers, or a force is not a finite number.
+        If the motion overflows, or a force is not a finite number.
     """
     times = finite_array("t", t)
     if times.ndim != 1 or times.size < 2:
@@ -258,7 +258,7 @@ def simulate_tracking(
     solution = solve_ivp(
         rates, (times[0], times[-1]), start, method="DOP853", t_eval=times, rtol=1e-10, atol=1e-12
     )
-    # the step fell below the spacing of the numbers: the motion has no end in this interval
+    # the step fell below the spacing of floating-point numbers: the motion diverges in the interval
     if not solution.success:
         raise MotionDiverged(*latest)
     x, v = solution.y

@@ -20,7 +20,7 @@ from psp3.thesis.chapter_4_systems import (
     cubic_spring,
 )
 
-# One spring and one mass with three dampers, so that Figures 34 to 36 differ in the damping alone.
+# One spring and one mass with three dampers: Figures 34 to 36 differ only in the damping.
 RELEASED = {
     DampingCase.OVERDAMPED: MassSpringDamper(mass=1.0, damping=10.0, stiffness=4.0),
     DampingCase.UNDERDAMPED: MassSpringDamper(mass=1.0, damping=1.0, stiffness=4.0),
@@ -59,7 +59,7 @@ def _draw_poles(axes: Axes, system: MassSpringDamper) -> None:
     )
     labels: list[tuple[complex, str]]
     if first == second:
-        # Two crosses in one place look like one.
+        # Two poles in one place look like one cross, so a ring marks the double pole.
         axes.plot(
             first.real,
             0.0,
@@ -77,8 +77,8 @@ def _draw_poles(axes: Axes, system: MassSpringDamper) -> None:
             for n, pole in ((1, first), (2, second))
         ]
     for pole, label in labels:
-        # A label beside the imaginary axis hangs to the left, where it cannot reach into the
-        # unstable half.
+        # The label of a pole near the imaginary axis is on the left, so it does not reach into the
+        # unstable half plane.
         beside = pole.real > -1.0
         offset = (-8.0 if beside else 0.0, 12.0)
         side = "right" if beside else "center"
@@ -205,7 +205,7 @@ def figure_36(axes: Sequence[Axes] | None = None) -> Panels:
 
 
 class _Diagram:
-    """A block diagram in axes without ticks, one unit as wide as high."""
+    """A block diagram in axes without ticks and with equal scales."""
 
     def __init__(self, axes: Axes, width: float, height: float) -> None:
         self.axes, self.text = axes, str(rcParams["text.color"])
@@ -248,7 +248,7 @@ class _Diagram:
         self.axes.text(x, y, label, ha="center", va="center")
 
     def sum(self, x: float, y: float) -> None:
-        """Draw a circle that adds what comes in."""
+        """Draw a summing point."""
         self.axes.add_patch(
             Circle(
                 (x, y),
@@ -331,7 +331,7 @@ def _draw_partitioned_controller(axes: Axes) -> None:
 def figure_40(axes: Sequence[Axes] | None = None) -> Panels:
     r"""Draw the trajectory-tracking controller based on partitioning (Fig. 40).
 
-    And what it does to two systems, eq. 4.9 to 4.18.
+    It also draws the controller's effect on two systems, eq. 4.9 to 4.18.
 
     A mass-spring-damper and a mass on a cubic spring start at rest in x = −1 m and follow a sine
     under the same servo gains. The forces differ, the errors do not: both are the closed form of

@@ -2,10 +2,10 @@ r"""Second-order systems: chapter 4 of the thesis, eq. 4.3 to 4.9.
 
 A mass on a spring and a damper is the smallest system that shows what a controller does.
 :class:`MassSpringDamper` has its poles, its damping case and its response in closed form;
-:class:`SecondOrderSystem` is any system of one coordinate that a force drives.
+:class:`SecondOrderSystem` is any system with one coordinate that a force drives.
 
-The thesis prints two slips that are corrected here: the underdamped case is :math:`b^2 - 4mk < 0`,
-and critical damping of the regulated system is :math:`b' = 2\sqrt{m k'}`.
+Two misprints of the thesis are corrected here: the underdamped case is :math:`b^2 - 4mk < 0`, and
+critical damping of the regulated system is :math:`b' = 2\sqrt{m k'}`.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from numpy.typing import ArrayLike, NDArray
 from psp3.checks import Array, checked_finite, checked_positive, finite_array
 from psp3.errors import InvalidValue
 
-# The closest that b, written by a caller as 2 sqrt(m k), can be expected to come to it.
+# How closely a caller's 2 sqrt(m k) in floating point can be expected to match critical damping.
 ROUNDING = 4.0 * np.finfo(float).eps
 
 
 class DampingCase(StrEnum):
     """The three responses of a second-order system (section 4.2.2).
 
-    They are told apart by the sign of :math:`b^2 - 4mk`.
+    The sign of :math:`b^2 - 4mk` distinguishes them.
     """
 
     OVERDAMPED = "overdamped"
@@ -121,7 +121,7 @@ class MassSpringDamper:
 
     @property
     def _frequency(self) -> float:
-        # Two roots instead of one of the quotient: neither overflows.
+        # Two separate square roots do not overflow, unlike the root of the quotient.
         return math.sqrt(abs(self.stiffness)) / math.sqrt(self.mass)
 
     @property
@@ -133,7 +133,7 @@ class MassSpringDamper:
         difference = decay - frequency
         if abs(difference) <= ROUNDING * frequency:
             return 0j
-        # The factored form of b² − 4mk loses nothing but the rounding of its factors.
+        # The factored form of b² − 4mk avoids cancellation: only its factors are rounded.
         root = math.sqrt(abs(difference)) * math.sqrt(decay + frequency)
         return complex(root) if difference > 0.0 else complex(0.0, root)
 
@@ -149,8 +149,8 @@ class MassSpringDamper:
         decay, half_gap = self._decay, self._half_gap
         if half_gap.imag != 0.0 or half_gap == 0.0:
             return np.array([-decay - half_gap, -decay + half_gap])
-        # The smaller root comes from the product s1 s2 = k/m, because the sum in eq. 4.5 would
-        # cancel.
+        # The smaller root comes from the product s1 s2 = k/m, because the sum in eq. 4.5 suffers
+        # cancellation.
         large = abs(decay) + half_gap.real
         small = math.copysign(self._frequency * (self._frequency / large), self.stiffness)
         return np.array([-large, -small] if decay >= 0.0 else [small, large], dtype=complex)
@@ -217,7 +217,7 @@ class MassSpringDamper:
             \dot x &= e^{-\sigma t} \big[ (\cos\omega t - \sigma S)\, \dot x_0
             - \tfrac km S\, x_0 \big].
 
-        Both pass into the critically damped response without loss as the poles meet, where
+        Both forms stay accurate as the poles meet, and become the critically damped response, where
         :math:`E = S = t`.
 
         Parameters
@@ -237,8 +237,7 @@ class MassSpringDamper:
         InvalidArray
             If an argument is not finite.
         InvalidValue
-            If a time is negative, or so long that the motion of an unstable system leaves the range
-            of the numbers.
+            If a time is negative, or so long that the motion of an unstable system overflows.
         """
         time, x0, v0 = (
             finite_array("t", t),
@@ -327,8 +326,8 @@ class MassSpringDamper:
         Raises
         ------
         InvalidValue
-            If the stiffness or the damping asked for is not positive and finite: such a closed loop
-            is not stable.
+            If the stiffness or the damping is not positive and finite, because such a closed loop
+            is unstable.
         """
         k = checked_positive("stiffness of the closed loop", stiffness)
         b = (
@@ -347,9 +346,9 @@ class MassSpringDamper:
 
 @dataclass(frozen=True)
 class SecondOrderSystem:
-    r"""Any system of one coordinate that a force drives (eq. 4.9).
+    r"""A system with one coordinate that a force drives (eq. 4.9).
 
-    Also its non-linear form in section 4.3.
+    It may be non-linear, as in section 4.3.
 
     .. math:: m(x)\, \ddot x + f(x, \dot x) = F
 
@@ -385,15 +384,15 @@ class SecondOrderSystem:
         InvalidValue
             If :math:`m(x)` is not positive.
         """
-        # What interpolates returns arrays of one number.
+        # Interpolators return arrays of one number.
         mass = checked_positive(f"mass at x = {position:.6g} m", float(self.mass(position)))
         return (force - self.internal_force(position, speed)) / mass
 
 
 def cubic_spring(mass: float, damping: float, stiffness: float) -> SecondOrderSystem:
-    r"""Return a mass on a damper and a spring that hardens (section 4.3).
+    r"""Return a mass on a damper and a hardening spring (section 4.3).
 
-    It hardens with the cube of its length.
+    The spring force grows with the cube of the deflection.
 
     .. math:: m \ddot x + b \dot x + k x^3 = F
 

@@ -1,6 +1,7 @@
 """The numbers of chapter 5.
 
-Tables 5.1 and 5.2, three implementations of the dynamics, and how well rules estimate it.
+They are Tables 5.1 and 5.2, three implementations of the dynamics, and the accuracy of estimates by
+rules.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ CONTRADICTED = "the printed C contradicts the printed M"
 def tables_5_1_and_5_2(outcome: Reproduction) -> None:
     """Add Tables 5.1 and 5.2: M, C and G at configuration 2.
 
-    And the differences that they depend on.
+    And the differences of heights and speeds that they depend on.
     """
     robot = load("psp3", parameters="table_5_1")
     symmetric = load("psp3", parameters="default")
@@ -39,7 +40,7 @@ def tables_5_1_and_5_2(outcome: Reproduction) -> None:
         float(np.abs(other.mass_matrix(heights) - published.TABLE_5_1_MASS).max())
         for other in (symmetric, load("psp3", parameters="table_3_1"))
     )
-    # What no Coriolis matrix can escape: its column sums are the rate of the column sums of M.
+    # A property of every Coriolis matrix: its column sums are the rate of the column sums of M.
     step = 1e-6
     rate = (
         robot.mass_matrix(heights + step * speeds) - robot.mass_matrix(heights - step * speeds)
@@ -67,9 +68,9 @@ def tables_5_1_and_5_2(outcome: Reproduction) -> None:
             "differs by "
             f"{default_error:.2f} kg, with Table 3.1 as printed by {printed_error:.1f} kg. Printed "
             "C cannot be reproduced under any convention that was tried: C11 = 10.0159 is a "
-            "misprint for 0.0159 and C31 = 0.0346 for 0.0436 "
-            "(then its rows sum to zero, as they must), and even so its column sums miss the "
-            f"rate of those of M by {column_gap:.3f} kg/s.",
+            "misprint for 0.0159 and C31 = 0.0346 for 0.0436 (with these corrections its rows sum "
+            "to zero, as they must). Even then its column sums differ from the rate of those of M "
+            f"by {column_gap:.3f} kg/s.",
         )
     )
     outcome.numbers["table_5_1"] = {
@@ -119,9 +120,9 @@ def tables_5_1_and_5_2(outcome: Reproduction) -> None:
             "Table 5.2: differences of heights [m] and speeds [m/s] in configurations 1, 2, 3",
             ["difference", "printed", "from Table 5.1", "verdict"],
             rows,
-            "The third heights printed in configurations 2 and 3 contradict this table. What "
-            "both tables are meant to show holds: lifting all three nuts together changes M by "
-            f"{change:.1e} kg, so four differences are enough.",
+            "The third heights printed in configurations 2 and 3 contradict this table. The "
+            "conclusion from both tables holds nevertheless: lifting all three nuts together "
+            f"changes M by {change:.1e} kg, so four differences are enough.",
         )
     )
     outcome.numbers["table_5_2"] = {name: values.tolist() for name, values in differences.items()}
@@ -171,8 +172,8 @@ def three_implementations(robot: PSP3, outcome: Reproduction, samples: int) -> N
             ["implementation", "M", "C", "G", "forces"],
             rows,
             f"Largest difference over {samples} poses, relative to the largest entry. Each closes "
-            "the loops in its own way. The closed form shares the robot's parameters with the "
-            "others, these share the tree and how Pinocchio's joints place and move bodies.",
+            "the loops in its own way. The closed form shares only the robot's parameters with "
+            "the other two. These also share the kinematic tree and Pinocchio's joints.",
         )
     )
     outcome.numbers["cross_check"] = numbers
@@ -187,16 +188,16 @@ MATRICES = {"M": slice(0, 6), "C": slice(6, 15), "G": slice(15, 18)}
 """Outputs of the estimators that belong to each matrix."""
 
 GOAL = 0.02
-"""Relative error of M and G that the best learner is to reach."""
+"""Target for the relative error of M and G of the best learner."""
 
 
 def estimates(robot: PSP3, recorded: Record, outcome: Reproduction) -> None:
-    """Add how far estimated M, C and G are from the exact ones, by learner.
+    """Add the errors of the estimated M, C and G, by learner.
 
-    On the path that they were learned from, without noise.
+    They are measured on the training path, without noise.
     """
     errors: dict[str, dict[str, float]] = {}
-    # Entries of M off the diagonal stand twice in the matrix, but once among the outputs.
+    # Off-diagonal entries of M occur twice in the matrix, but once among the outputs.
     weight = np.array([2.0 if name in ("M12", "M13", "M23") else 1.0 for name in OUTPUT_NAMES])
     exact = recorded.outputs
     for learner in LEARNERS:
@@ -226,10 +227,10 @@ def estimates(robot: PSP3, recorded: Record, outcome: Reproduction) -> None:
             f"Root mean square of the error over that of the exact entries, {len(recorded.t)} "
             "samples of the helix, type-1 (without noise type-2 is the same). The best learner "
             f"estimates M to {share['M']:.2f} % ({best['M']}) and G to {share['G']:.2f} % "
-            f"({best['G']}): {'within' if reached else 'not within'} the 2 % that were asked "
-            "for. As matrices, that is: M12, M13 and M23, which are small, come out to "
-            f"{off_diagonal:.1f} % at worst. C is never estimated better than to "
-            f"{share['C']:.0f} % ({best['C']}); its forces are small beside G.",
+            f"({best['G']}): {'within' if reached else 'not within'} the target of 2 %. These are "
+            "errors of whole matrices: the small entries M12, M13 and M23 have errors of up to "
+            f"{off_diagonal:.1f} %. C is never estimated better than to "
+            f"{share['C']:.0f} % ({best['C']}); its forces are small compared with G.",
             detail=True,
         )
     )

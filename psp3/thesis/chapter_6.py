@@ -1,8 +1,8 @@
 """The numbers of chapter 6: Tables 6.1 to 6.3, and the comparisons that the thesis never showed.
 
-The runs come from one study, :class:`Plan`; every function here adds a table, its numbers and a
-sentence of the answer to a :class:`~psp3.thesis.findings.Reproduction`. Nothing is said that is not
-read off the runs: sentences change with the numbers.
+The runs come from one study, :class:`Plan`. Every function here adds a table, its numbers and a
+sentence of the answer to a :class:`~psp3.thesis.findings.Reproduction`. All sentences are generated
+from the runs and change with their numbers.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ REASONS = {
     "PD": "the length of the run was chosen to match it",
     "CTC": "all of it is the start of the run, which the thesis does not describe",
 }
-"""Why errors of classical controllers agree with the printed ones, or do not."""
+"""Reasons why errors of classical controllers agree with the printed ones, or do not."""
 
 
 def reason_of_noise(snr_db: float) -> str:
@@ -68,7 +68,7 @@ def reason_of_noise(snr_db: float) -> str:
 
 
 def table_6_1(robot: PSP3, outcome: Reproduction) -> None:
-    """Add Table 6.1: the gains that this package takes unless given others."""
+    """Add Table 6.1: the default gains of this package."""
     fuzzy = {kind: FuzzyComputedTorque(kind, robot) for kind in ("t1", "it2")}
     used: dict[str, PD | ComputedTorque | FuzzyComputedTorque]
     used = {
@@ -103,10 +103,10 @@ def table_6_1(robot: PSP3, outcome: Reproduction) -> None:
             "Table 6.1: gains and settings",
             ["controller", "printed: kp / kv", "used", "verdict"],
             rows,
-            "Gains of PD in N/m and N s/m, of the others in 1/s² and 1/s: these act on a robot "
-            "that the model has made a unit mass. kp = 10 and kv = 1 are soft, a natural "
-            "frequency of 0.5 Hz with a damping ratio of 0.16, so whatever the model gets wrong "
-            "shows in full. PD has stiffness instead.",
+            "The gains of PD are in N/m and N s/m. Those of the others are in 1/s² and 1/s, "
+            "because their model turns the robot into a unit mass. kp = 10 and kv = 1 are soft, a "
+            "natural frequency of 0.5 Hz with a damping ratio of 0.16, so the servo hides no "
+            "error of the model. PD relies on stiffness instead.",
             detail=True,
         )
     )
@@ -170,16 +170,15 @@ def table_6_2(latencies: Mapping[str, Latency], outcome: Reproduction) -> None:
                 "verdict",
             ],
             rows,
-            f"One call of controller.torque at a time from Python, {noc.steps:,} calls of the "
-            f"models that take milliseconds and {exact.steps:,} of the others, on states along "
-            "the helix, after a warm-up, by the clock of the machine this ran on; beyond the "
-            "median it is the machine that is measured as much as the controller. The thesis: a "
-            "Pentium 4 of 3 GHz, and a budget of 2 ms. Its premise was that exact computed "
+            "Each call of controller.torque from Python is timed on its own, on states along the "
+            f"helix, after a warm-up: {noc.steps:,} calls of the models that take milliseconds "
+            f"and {exact.steps:,} of the others. The times depend on this machine; percentiles "
+            "above the median measure the machine as much as the controller. The thesis used a "
+            "Pentium 4 of 3 GHz and had a budget of 2 ms. Its premise was that exact computed "
             "torque cannot run in real time and must be estimated. The same equations take "
             f"{1e3 * noc.median:.1f} ms through the natural orthogonal complement in Python, with "
-            "the loops closed in every call by Newton's method from home, as in the thesis's 255 "
-            "ms, but "
-            f"in closed form {1e6 * exact.median:.0f} µs: "
+            "the loops closed in every call by Newton's method from home, as in the thesis's "
+            f"255 ms. In closed form they take {1e6 * exact.median:.0f} µs: "
             f"{published.TABLE_6_2['CTC'] / exact.median:,.0f} times less than printed, and "
             f"{published.STEP_BUDGET / exact.median:.0f} times within the budget. The fuzzy "
             f"estimate takes {1e6 * it2.median:.0f} µs, {it2.median / exact.median:.1f} times "
@@ -241,7 +240,7 @@ def table_6_3(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproduction)
                 statistics.median(results.values(run, plan.seeds)),
             )
             tip = results.mean(run, plan.seeds, "largest_tip_error").value
-            # Without noise there is no spread, and the printed number is compared as it is.
+            # Without noise there is no spread of runs, so the printed number is compared directly.
             spread = None if math.isinf(snr) else results.spread(run, plan.seeds)
             diverged, left, coverage = (
                 results.average(run, plan.seeds, name)
@@ -312,13 +311,13 @@ def table_6_3(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproduction)
             rows,
             f"Helix of radius 20 mm, period 2 s, rise 10 mm/s, started at rest, {DURATION} s, "
             f"control at 2 ms; one sample every {THESIS_SAMPLING_PERIOD} s is summed. The thesis "
-            "names neither its helix nor its sampling, so orders of magnitude and ranking are "
-            "what can be compared. PD has no gravity term: every screw sags by G/kp = "
-            f"{1e3 * _sag(robot):.1f} mm, and that sag is the whole of its row, to which the "
-            "length of the runs was fitted. The CTC row is "
-            "the start from rest; started on the path CTC has no error at all. Fuzzy rows: "
-            "noise on the recorded M, C and G, and every rule keeps the one noisy sample that "
-            "fires it most, so its noise is in the torque undiminished. "
+            "specifies neither its helix nor its sampling, so only orders of magnitude and the "
+            "ranking can be compared. PD has no gravity term: every nut sags by G/kp = "
+            f"{1e3 * _sag(robot):.1f} mm, and its error is this sag alone. The length of the runs "
+            "was fitted to the printed PD error. The error of CTC comes only from the start at "
+            "rest; when started on the path, CTC has no error. Fuzzy rows: the recorded M, C and G "
+            "are noisy, and every rule keeps the one noisy sample that fires it most, so the full "
+            "noise of that sample is in the torque. "
             + (
                 (
                     "The printed type-1 errors lie between these and those of rules that average, "
@@ -344,11 +343,11 @@ def table_6_3(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproduction)
                 "inside the trained range",
             ],
             ends,
-            "Diverged: share of the runs that ended early because the robot left the poses it "
-            "can take. Off stroke: share of those in which a nut passed the end of its screw, "
-            "which the simulation, as the thesis, lets it do. Last column: mean share of the "
-            "control steps whose four inputs lie within what the rules were learned on; "
-            "elsewhere they are clamped to it. Intervals of 95 %: "
+            "Diverged: share of the runs that ended early because the robot left its reachable "
+            "poses. Off stroke: share of the runs in which a nut passed the end of its screw, "
+            "which the simulation allows, as the thesis does. Last column: mean share of the "
+            "control steps whose four inputs lie within the trained range; other inputs are "
+            "clamped to it. Intervals of 95 %: "
             f"{coverage_in_words('median', seeds=plan.seeds)}.",
             detail=True,
         ),
@@ -356,9 +355,9 @@ def table_6_3(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproduction)
 
 
 def answer_of_table_6_3(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
-    """Add what Table 6.3 says of the classical controllers, in sentences.
+    """Add sentences on what Table 6.3 shows about the classical controllers.
 
-    And of the fuzzy ones without noise.
+    They also cover the fuzzy controllers without noise.
     """
     numbers = outcome.numbers["table_6_3"]
     pd, ctc, simple = (numbers[name][ERROR] for name in ("PD", "CTC", "PD with gravity"))
@@ -383,9 +382,9 @@ def answer_of_table_6_3(robot: PSP3, results: Outcomes, plan: Plan, outcome: Rep
 
 
 def _on_other_paths(results: Outcomes, plan: Plan) -> str:
-    """Return where else PD with gravity has less error than the fuzzy controllers, and where more.
+    """Return on which other paths PD with gravity has less error than fuzzy control, or more.
 
-    Than those with default rules and without noise.
+    The fuzzy controllers have default rules and no noise.
     """
     less, more = [], []
     for trajectory in plan.trajectories[1:]:
@@ -393,7 +392,7 @@ def _on_other_paths(results: Outcomes, plan: Plan) -> str:
             results.values(Run(name, trajectory=trajectory), 1)[0]
             for name in ("pd-gravity", *FUZZY)
         )
-        # Beside a run that diverged, which is not a number, nothing is said.
+        # A path on which a run diverged is left out, because its error is NaN.
         if simple < np.min(fuzzy):
             less.append(trajectory)
         elif simple > np.max(fuzzy):
@@ -404,12 +403,12 @@ def _on_other_paths(results: Outcomes, plan: Plan) -> str:
 
 
 def _sag(robot: PSP3) -> float:
-    """Return how far every screw sags under PD at rest [m]."""
+    """Return the sag of each nut at rest under PD [m]."""
     return float(robot.gravity(np.zeros(3)).mean()) / published.TABLE_6_1["PD"][0]
 
 
 def _soft_pd(robot: PSP3) -> dict[str, float]:
-    """Return when PD with the gains of computed torque has lost the robot [s]."""
+    """Return the time at which PD with the gains of computed torque loses the robot [s]."""
     controller = PD(*published.TABLE_6_1["CTC"])
     try:
         result = simulate(robot, controller, Helix(robot=robot), DURATION)
@@ -421,13 +420,13 @@ def _soft_pd(robot: PSP3) -> dict[str, float]:
 def typical_seed(results: Outcomes, plan: Plan) -> int:
     """Return the seed whose noisy runs of type-1 and type-2 come nearest to their medians.
 
-    Nearest by the logarithms of their errors.
+    The distance is that of the logarithms of the errors.
     """
     distance = np.zeros(plan.seeds)
     for kind in ("t1", "it2"):
         for snr in NOISY:
             errors = results.values(Run(kind, snr_db=snr), plan.seeds)
-            # A run that diverged is as far from the others as can be.
+            # A run that diverged counts as infinitely far from the medians.
             distance += np.where(
                 np.isfinite(errors), np.abs(np.log(errors / np.nanmedian(errors))), np.inf
             )

@@ -1,7 +1,7 @@
-"""What "noise of S dB" means decides whether type-2 wins: the comparison under every definition.
+"""Compare type-2 with type-1 under every definition of "noise of S dB", which decides the winner.
 
-The thesis defines neither the power that its signal-to-noise ratios are taken against nor the
-signals that are noisy. The report says first which of them make type-2 win.
+The thesis defines neither the power that its signal-to-noise ratios refer to nor the signals that
+are noisy. The report first says under which definitions type-2 wins.
 """
 
 from __future__ import annotations
@@ -41,18 +41,18 @@ CONTRADICTION = (
     "System\u201d \u201cthe numerical uncertainty leads to uncertain inputs; contrary to "
     "linguistic uncertainty which leads to uncertain rules\u201d. In its chapter 6 noises are "
     "\u201cinjected into the system parameters (recall that we named this type of uncertainty, "
-    "the numerical uncertainty\u201d; whether before rules are learned, which are uncertain "
-    "then, or at run time, it does not say. This package puts the noise on the M, C and G that "
-    "rules are learned from; the rows \u201con the recorded inputs\u201d take the section at its "
-    "word."
+    "the numerical uncertainty\u201d. It does not say whether this is before rules are learned, "
+    "which makes the rules uncertain, or at run time. This package puts the noise on the M, C and "
+    "G that rules are learned from; the rows \u201con the recorded inputs\u201d follow the "
+    "section on the type-1 equivalent."
 )
-"""Where the thesis says two things, and which of them is taken."""
+"""The contradiction in the thesis, and which of its statements is followed."""
 
 ON_GRAVITY = {"noisy_entries": "gravity"}
-"""Fields of the definition whose noise is part of that of the default one."""
+"""Fields of the definition whose noise is part of the default definition's."""
 
 ESTIMANDS = ("ratio of means", "ratio of geometric means", "difference of means")
-"""What the table estimates with intervals, or judges by them."""
+"""Estimands whose intervals the table shows or judges by."""
 
 
 def definitions(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
@@ -96,12 +96,12 @@ def definitions(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproductio
             "the terms of type-2 too wide, so each definition also gets the mean variation with "
             "the fewest runs that diverge, and of those with the least mean error, out of "
             f"{listed([f'{value:g}' for value in plan.suited])} and over "
-            f"{count(plan.sweep_seeds)}. It is chosen on the very seeds "
-            "that it is then judged by, which favors type-2. As the variation falls to zero, "
-            "type-2 becomes type-1, and the ratio 1: where the least one is the best, the best "
-            "type-2 is nearly type-1. Ratios are over the seeds with which neither controller "
-            "diverged: of means, which runs with large errors decide, and of geometric means, the "
-            "factor between typical runs. "
+            f"{count(plan.sweep_seeds)}. It is chosen on the same seeds by which it is then "
+            "judged, which favors type-2. As the mean variation falls to zero, type-2 becomes "
+            "type-1 and the ratio becomes 1. If the least variation is the best, the best "
+            "type-2 is therefore nearly type-1. Ratios are over the seeds with which neither "
+            "controller diverged. Runs with large errors dominate the ratio of means; the ratio "
+            "of geometric means is the factor between typical runs. "
             f"{in_brackets((plan.seeds, plan.sweep_seeds), *ESTIMANDS)} The verdict is by the "
             "difference of means, seed by seed.",
         )
@@ -156,7 +156,7 @@ def _compared(results: Outcomes, plan: Plan, run: Run, seeds: int) -> dict[str, 
 
 
 def _noise_on_gravity(robot: PSP3) -> dict[str, float]:
-    """Return the noise on G at 20 dB as it is taken here, and what G varies by on the helix [N]."""
+    """Return the default noise on G at 20 dB, and the variation of G along the helix [N]."""
     recorded = record(robot, Helix(robot=robot))
     noise, varies = (
         float(RecordNoise(reference).output_amplitudes(recorded)[15:].mean())
@@ -166,7 +166,7 @@ def _noise_on_gravity(robot: PSP3) -> dict[str, float]:
 
 
 def _what_decides(numbers: dict[str, dict[str, Any]], plan: Plan, levels: str) -> str:
-    """Return the first sentence of the answer: under which definition type-2 wins."""
+    """Return the first sentence of the answer, which says under which definition type-2 wins."""
 
     def ratios(label: str, name: str) -> str:
         return listed([f"{entry[name]['value']:.2f}" for entry in numbers[label].values()])
@@ -183,7 +183,7 @@ def _what_decides(numbers: dict[str, dict[str, Any]], plan: Plan, levels: str) -
     named = [f"\u201c{label}\u201d" for label in helped]
     where = f"{len(helped)} of {len(numbers)} definitions" + (f", {listed(named)}" if named else "")
     if all(fields in [DEFINITIONS[label] for label in helped] for fields in ({}, ON_GRAVITY)):
-        where += "; noise on G alone is part of the first, and no second effect"
+        where += "; noise on G alone is part of the first, not a second effect"
     return (
         "Whether type-2 beats type-1 depends on what \u201cnoise of S dB\u201d is relative to, "
         "which the thesis does not say. If this package's rule chooses the mean variation, type-2 "
@@ -194,7 +194,7 @@ def _what_decides(numbers: dict[str, dict[str, Any]], plan: Plan, levels: str) -
 
 
 def _argument(numbers: dict[str, dict[str, Any]], gravity: dict[str, float]) -> str:
-    """Return why the gain comes and goes, and what speaks for the definition that is taken."""
+    """Return why type-2's gain depends on the definition, and what favors the default one."""
     ours, *others = (
         [entry["type_1"]["value"] for entry in by_level.values()]
         for label, by_level in numbers.items()
@@ -216,10 +216,9 @@ def _argument(numbers: dict[str, dict[str, Any]], gravity: dict[str, float]) -> 
         "The reason is noise on G. Relative to the mean square, 20 dB are "
         f"{gravity['noise']:.1f} N of noise on a quantity that varies by "
         f"{gravity['standard_deviation']:.1f} N along the helix, and wide terms average it out. "
-        f"Type-1's error speaks for this definition. At {levels[0]} dB {printed[0]:.2f} m² is "
+        f"Type-1's error favors this definition. At {levels[0]} dB {printed[0]:.2f} m² is "
         f"printed; here it is {significant(ours[0])} m², {ours[0] / printed[0]:.1f} times as much. "
         f"Under the other references and with noise on the inputs it is {low} to {high} m², at "
-        f"most a {printed[0] / max(one[0] for one in others):.0f}th of the printed error, as "
-        "without noise."
-        f"{growth} None of them reproduces the printed numbers."
+        f"most 1/{printed[0] / max(one[0] for one in others):.0f} of the printed error and about "
+        f"as much as without noise.{growth} No definition reproduces the printed numbers."
     )

@@ -33,13 +33,13 @@ from psp3.thesis.plan import (
 )
 
 ESTIMANDS = ("difference of means", "ratio of means", "ratio of geometric means")
-"""What the table estimates with intervals."""
+"""Estimands whose intervals the table shows."""
 
 
 def type_2_against_type_1(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
     """Add the paired differences and ratios behind Figure 64.
 
-    For rules that keep the strongest sample, and for the table look-up that the thesis cites.
+    They cover rules that keep the strongest sample, and the table look-up that the thesis cites.
     """
     rows: list[list[str]] = []
     found = {
@@ -68,15 +68,15 @@ def type_2_against_type_1(results: Outcomes, plan: Plan, outcome: Reproduction) 
             rows,
             "Both controllers of a seed learn from the same noise. Seeds with which one of the "
             "two diverged are left out, which favors the one that diverges, here mostly type-1. "
-            "In brackets 95 % intervals of what many seeds give: of the mean difference, of the "
-            "ratio of means, which runs with large errors decide, and of the ratio of geometric "
-            "means, the factor between typical runs; "
+            "In brackets are 95 % intervals of the mean difference, of the ratio of means, which "
+            "runs with large errors dominate, and of the ratio of geometric means, the factor "
+            "between typical runs; "
             f"{coverage_in_words(*ESTIMANDS, seeds=plan.seeds)}. The printed ratio is that of one "
             "run each, so it is compared with the spread of single runs. That is so wide that a "
             "printed ratio within it neither confirms nor contradicts ours. The thesis writes that "
-            "type-2's error over type-1's rises with the noise; its own numbers give 1, 0.51, "
-            "0.28, 0.25, which falls. What rises is type-1's error over type-2's, and so Figure "
-            "64 is drawn. Here that ratio of means is "
+            "type-2's error over type-1's rises with the noise, but by its own numbers this ratio "
+            "falls: 1, 0.51, 0.28, 0.25. The inverse, type-1's error over type-2's, rises, and "
+            "Figure 64 shows it. Here the inverse ratio of means is "
             f"{listed([f'{inverse:.2f}' for inverse in inverses])} at {levels} dB, and "
             f"{'rises' if inverses == sorted(inverses) else 'does not rise'} with the noise.",
             figures=("figure_64",),
@@ -131,7 +131,7 @@ def _against_type_1(
 
 
 def _main_claim(found: dict[str, dict[str, Any]], plan: Plan, levels: str) -> str:
-    """Return what the runs say of the thesis's main claim, under the default definition."""
+    """Return what the runs say about the thesis's main claim, under the default definition."""
     numbers, strict = found["strongest"], found["strict"]
     words = [entry["verdict"] for entry in numbers.values()]
     shown = [word == "type-2 better" for word in words]

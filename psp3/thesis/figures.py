@@ -119,14 +119,14 @@ def figure_51(
 
 
 class FigureOfRun(Protocol):
-    """Draws a figure of a simulation."""
+    """A function that draws a figure of a simulation."""
 
     def __call__(self, result: Result, axes: Sequence[Axes] | None = None) -> Panels:
         """Draw into the axes that are given, or into those of a new figure, and return them."""
 
 
 class FigureOfController(Protocol):
-    """Draws a figure of a trained controller."""
+    """A function that draws a figure of a trained controller."""
 
     def __call__(
         self, controller: FuzzyComputedTorque, axes: Sequence[Axes] | None = None
@@ -146,15 +146,15 @@ RUNS: Mapping[int, tuple[Callable[[Sequence[Axes] | None, Result, str], Panels],
     62: (draw_differences, "Type-2, 15 dB"),
     63: (draw_differences, "Type-2, 10 dB"),
 }
-"""What draws each figure of one run, and its title: the controller, and the noise of the records
-that it learned from.
+"""Function and title of each figure of one run. The title names the controller, and the noise of
+the records that it learned from.
 """
 
 TERMS = {
     54: "Terms of the type-1 controller",
     59: "Terms of the type-2 controller, means ± {0.mean_variation:.2f} of the range",
 }
-"""Title of each figure of the terms of a controller, which is put in."""
+"""Title of each figure of a controller's terms; the controller is its format argument."""
 
 
 def _figure_of_run(number: int) -> FigureOfRun:
@@ -224,7 +224,7 @@ def _figure_of_terms(number: int) -> FigureOfController:
 
 
 def _named(draw: Drawing, number: int) -> Drawing:
-    """Give a function the name by which this module offers it."""
+    """Give a function the name under which this module exports it."""
     draw.__name__ = draw.__qualname__ = f"figure_{number}"
     return draw
 
@@ -244,8 +244,8 @@ def figure_64(
 
     Above one, type-2 is better.
 
-    The thesis's text says that the ratio rises with the noise. That of its own numbers does so as
-    type-1 over type-2, as it is drawn here, not the other way around.
+    The thesis's text says that the ratio of type-2 over type-1 rises with the noise. By its own
+    numbers that ratio falls, and the inverse, type-1 over type-2, rises. The inverse is drawn here.
 
     Parameters
     ----------
@@ -278,7 +278,7 @@ def figure_64(
     place = {snr: number for number, snr in enumerate(levels)}
     panel.axhline(1.0, color=muted(), linewidth=1.0)
     for number, (name, series) in enumerate(ratios.items()):
-        # Side by side, or intervals would hide one another.
+        # Series are drawn side by side, because their intervals would hide one another.
         x = [place[snr] + 0.07 * (number - 0.5 * (len(ratios) - 1)) for snr in series]
         value, low, high = np.array(list(series.values())).T
         panel.errorbar(
@@ -336,7 +336,7 @@ FIGURES: Mapping[int, Callable[..., Panels]] = {
     63: figure_63,
     64: figure_64,
 }
-"""What draws each figure, by its number in the thesis."""
+"""Function that draws each figure, by its number in the thesis."""
 
 
 def figure(number: int, *subjects: Any, axes: Sequence[Axes] | None = None) -> Panels:
@@ -347,8 +347,8 @@ def figure(number: int, *subjects: Any, axes: Sequence[Axes] | None = None) -> P
     number : int
         Its number, see :data:`FIGURES`.
     *subjects
-        What it is of, as its function takes it: a result or a controller, two controllers for
-        Figure 51, ratios for Figure 64; nothing for those of chapter 4.
+        Arguments of the figure's function: a result or a controller, two controllers for Figure 51,
+        ratios for Figure 64, nothing for the figures of chapter 4.
     axes : sequence of Axes, optional
         Where to draw; those of a new figure by default.
 

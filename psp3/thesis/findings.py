@@ -1,6 +1,7 @@
-"""What the main job finds.
+"""The findings of the main job.
 
-Tables of printed and computed values, verdicts in words, sentences of the answer, drawings.
+They are tables of printed and computed values, verdicts in words, sentences of the answer, and
+drawings.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ SAME_ORDER = 3.0
 """Factor up to which a number is of the same order as the printed one."""
 
 MATCHED = "matched by a fit"
-"""Verdict on a number that agrees because something was chosen to make it agree."""
+"""Verdict on a number that agrees because a parameter was fitted to it."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ class Table:
     rows : list of list of str
         Cells.
     note : str
-        What the reader must know, in words.
+        Explanation below the table.
     figures : tuple of str
         Names of the drawings that belong to it.
     detail : bool
@@ -58,10 +59,10 @@ class Table:
 
 @dataclass(frozen=True)
 class Drawing:
-    """A figure in a file, and in words.
+    """A figure in a file, with texts.
 
-    ``path`` is the file, ``caption`` is shown below it, ``description`` is read to those who cannot
-    see it.
+    ``path`` is the file, ``caption`` is shown below it, and ``description`` is the alternative text
+    for screen readers.
     """
 
     path: Path
@@ -76,24 +77,24 @@ class Drawing:
 
 @dataclass
 class Reproduction:
-    """What :func:`psp3.thesis.replication.reproduce` found.
+    """The findings of :func:`psp3.thesis.replication.reproduce`.
 
     Parameters
     ----------
     sentence : str
-        What came out, in one sentence.
+        The result in one sentence.
     tables : list of Table
         Printed and computed values side by side.
     answer : list of str
-        What came out, in sentences.
+        The results in sentences.
     results : dict of Result
         Simulations by name.
     numbers : dict
-        Everything in numbers, for a machine.
+        All numbers, for ``results.json``.
     drawings : list of Drawing
         Figures.
     files : list of Path
-        Everything that was written.
+        All files that were written.
     """
 
     sentence: str = ""
@@ -113,19 +114,20 @@ def verdict(
     reason: str,
     fitted: bool = False,
 ) -> str:
-    """Say in words how a number compares with the printed one, and why.
+    """Compare a number with the printed one in words, with the reason.
 
     Parameters
     ----------
     computed, printed : float
         The numbers, both positive.
     spread : (2,) tuple of float, optional
-        Spread of single runs, where the computed number is a mean of many. The printed one is a
-        single run, so whether it lies within is said.
+        Spread of single runs, if the computed number is a mean of many runs. The printed number is
+        one run, so the verdict says whether it lies within the spread.
     reason : str
-        Why the numbers agree no better, or agree: no verdict stands without it.
+        Why the numbers agree, or do not agree better. Every verdict needs a reason.
     fitted : bool
-        Whether something was chosen so that the numbers agree, which then reproduces nothing.
+        Whether a parameter was fitted to make the numbers agree. Then the verdict is "matched by a
+        fit" instead of "reproduced".
 
     Returns
     -------
@@ -139,7 +141,7 @@ def verdict(
     if abs(ratio - 1.0) <= REPRODUCED:
         words = MATCHED if fitted else "reproduced"
         return f"{words} ({100 * (ratio - 1):+.1f} %): {reason}"
-    # Unbroken spaces, or the sign would end a line in narrow tables.
+    # Non-breaking spaces, because narrow tables would otherwise wrap after the sign.
     times = f"×\N{NO-BREAK SPACE}{ratio:.2g}"
     said = "" if spread is None else place_in(spread, printed)
     return (
@@ -151,7 +153,7 @@ def verdict(
 def place_in(spread: tuple[float, float], printed: float) -> str:
     """Say whether a printed number, one run, lies within the spread of single runs.
 
-    Nothing is said without a spread.
+    The text is empty without a spread.
     """
     if not np.isfinite(spread).all():
         return ""
@@ -165,14 +167,14 @@ def better(difference: Estimate, controller: str, baseline: str) -> str:
     Parameters
     ----------
     difference : Estimate
-        Of the errors, controller minus baseline, paired by seed.
+        Difference of the errors, controller minus baseline, paired by seed.
     controller, baseline : str
         Their names.
 
     Returns
     -------
     str
-        The better one, or that neither was shown to be.
+        The better controller, or that no difference was shown.
     """
     if difference.high < 0.0:
         return f"{controller} better"
@@ -184,7 +186,7 @@ def better(difference: Estimate, controller: str, baseline: str) -> str:
 def significant(value: float) -> str:
     """Return a number with three significant digits, as in tables of errors.
 
-    Six decimals at most, no exponent, and a dash for none.
+    It has at most six decimals and no exponent; no number is shown as a dash.
     """
     if not np.isfinite(value):
         return "–"
@@ -199,7 +201,7 @@ def significant(value: float) -> str:
 def with_interval(estimate: Estimate, seeds: int | None = None) -> str:
     """Return a value with its interval.
 
-    And with the number of seeds that it stands on where that is not ``seeds``.
+    The number of seeds behind it follows if that differs from ``seeds``.
     """
     text = significant(estimate.value)
     if np.isfinite(estimate.low) and estimate.low != estimate.high:
@@ -208,7 +210,7 @@ def with_interval(estimate: Estimate, seeds: int | None = None) -> str:
 
 
 def as_numbers(estimate: Estimate) -> dict[str, float | int | str]:
-    """Return an estimate for a machine."""
+    """Return an estimate as numbers for ``results.json``."""
     return {
         "value": estimate.value,
         "low": estimate.low,
@@ -224,8 +226,8 @@ def compared(
 ) -> list[list[str]]:
     """Return rows of a matrix as printed and as computed with parameters that were fitted to it.
 
-    Within ``bar`` they count as matched, and None says they cannot be reproduced; ``reason`` says
-    why.
+    Rows within ``bar`` count as matched; a ``bar`` of None means that they cannot be reproduced.
+    ``reason`` says why.
     """
     rows = []
     for number, (old, new) in enumerate(

@@ -1,6 +1,6 @@
 """The figures of the report.
 
-Each drawn by its function in :mod:`psp3.plots`, saved, and put in words.
+Each is drawn by its function in :mod:`psp3.plots`, saved, and described in words.
 """
 
 from __future__ import annotations
@@ -50,18 +50,18 @@ def draw_all(
     results : mapping of Result
         ``"PD"``, ``"CTC"``, and ``"type-1, 20 dB"`` and the like.
     seed : int
-        Seed of the noise in the fuzzy ones of these.
+        Seed of the noise in the results of fuzzy controllers.
     curves : mapping of Series
         ``"result"``, ``"figure_64"`` and ``"mean_variation"``.
     plan : Plan
-        Whose seeds these stand on.
+        Plan whose seeds are behind the curves.
     directory : path
         Where the SVG files go.
 
     Yields
     ------
     Drawing
-        Each figure when it is saved.
+        Each figure after it was saved.
     """
 
     def saved(name: str, panels: Panels, caption: str, description: str) -> Drawing:
@@ -86,10 +86,10 @@ def draw_all(
         "result",
         opening.figure_of_result(curves["result"], lines),
         "The result: the error of fuzzy controllers that learn from noisy records, means with 95 % "
-        f"intervals ({count(plan.seeds)}), beside two controllers that learn nothing. Rules keep "
+        f"intervals ({count(plan.seeds)}), beside two controllers that do not learn. Rules keep "
         "the sample that fires them most, or average all samples. A signal-to-noise ratio of "
-        "S dB means noise with an amplitude of 10^(−S/20) times the root mean square of what is "
-        "recorded. Lower is better.",
+        "S dB means noise with an amplitude of 10^(−S/20) times the root mean square of the "
+        "recorded quantity. Lower is better.",
         "; ".join(
             f"{name}: "
             + ", ".join(

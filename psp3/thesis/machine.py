@@ -1,7 +1,7 @@
-"""A picture of the robot, drawn without a browser: its shapes seen from the side, lit and named.
+"""A picture of the robot, drawn without a browser: its shapes in perspective, lit and labeled.
 
-Faces are drawn from the farthest to the nearest. Long ones are cut, so that each has one distance
-from the eye that decides what it hides.
+Faces are drawn from the farthest to the nearest (the painter's algorithm). Long faces are cut into
+pieces, because this order needs one distance from the eye for each face.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ HEIGHTS = (0.07, 0.0, 0.03)
 """Heights of the nuts in the picture [m]."""
 
 EYE = np.array([-2.6, 0.75, 0.8])
-"""Where it is seen from [m]."""
+"""Position of the eye [m]."""
 
 LIGHT = np.array([-0.5, -0.3, 0.81])
-"""Direction that light comes from, a unit vector but for rounding."""
+"""Direction towards the light, a unit vector to within rounding."""
 
 SIDES = 20
-"""Sides of what is round."""
+"""Number of sides that approximate a circle."""
 
 LONGEST = 0.03
-"""Length that edges of faces are cut to [m]."""
+"""Greatest length of an edge; longer faces are cut [m]."""
 
 
 def figure_of_machine(robot: PSP3, heights: ArrayLike = HEIGHTS) -> Panels:
@@ -55,7 +55,7 @@ def figure_of_machine(robot: PSP3, heights: ArrayLike = HEIGHTS) -> Panels:
     panel = figure.subplots()
     faces, colors = _faces_and_colors(robot, heights)
     drawn = PolyCollection(faces, facecolors=colors, edgecolors=colors, linewidths=0.3)
-    # Thousands of faces are smaller as a picture of points.
+    # Rasterized, because thousands of faces make a large vector file.
     drawn.set_rasterized(True)
     panel.add_collection(drawn)
     panel.set_aspect("equal")
@@ -116,7 +116,7 @@ def _placements(robot: PSP3, heights: ArrayLike) -> list[tuple[pin.GeometryObjec
 
 
 def _faces_and_colors(robot: PSP3, heights: ArrayLike) -> tuple[list[Array], Array]:
-    """Return the faces that are seen, (corners, 2) each, the nearest last, and their colors."""
+    """Return the visible faces, (corners, 2) each, the nearest last, and their colors."""
     faces, colors, distances = [], [], []
     for shape, placement in _placements(robot, heights):
         for corners in _faces(shape.geometry):
@@ -134,7 +134,7 @@ def _faces_and_colors(robot: PSP3, heights: ArrayLike) -> tuple[list[Array], Arr
 
 
 def _projected(points: Array) -> tuple[Array, Array]:
-    """Return points as the eye sees them, (..., 2), and their distances from it along its view."""
+    """Return the projections of points, (..., 2), and their distances along the line of sight."""
     view = -EYE / np.linalg.norm(EYE)
     right = np.cross(view, [0.0, 0.0, 1.0])
     right /= np.linalg.norm(right)
@@ -145,7 +145,7 @@ def _projected(points: Array) -> tuple[Array, Array]:
 
 
 def _faces(geometry: object) -> Iterator[Array]:
-    """Return the faces of a shape in its own axes, corners counterclockwise seen from outside."""
+    """Return the faces of a shape in its own axes; corners run counterclockwise from outside."""
     kind = type(geometry).__name__
     if kind == "Box":
         yield from _faces_of_box(geometry.halfSide)  # type: ignore[attr-defined]
@@ -159,7 +159,7 @@ def _faces(geometry: object) -> Iterator[Array]:
     else:
         angles = np.linspace(-0.5 * np.pi, 0.5 * np.pi, SIDES // 2 + 1)
         radius = geometry.radius  # type: ignore[attr-defined]
-        # The poles are cut off by a hair: a face needs a normal.
+        # The poles are cut off slightly, because a face of zero area has no normal.
         yield from _faces_around(radius * np.maximum(np.cos(angles), 1e-3), radius * np.sin(angles))
 
 
@@ -169,7 +169,7 @@ def _ring(radius: float) -> Array:
 
 
 def _faces_around(radii: Array, heights: Array) -> Iterator[Array]:
-    """Return the faces of what turning a line about the z axis gives."""
+    """Return the faces of the surface that a line makes by turning about the z axis."""
     rings = [
         np.column_stack([_ring(radius), np.full(SIDES, height)])
         for radius, height in zip(radii, heights, strict=True)

@@ -1,6 +1,6 @@
-"""What the report opens with: one sentence, the curves of one figure, and the table of verdicts.
+"""The opening of the report: one sentence, the curves of one figure, and the table of verdicts.
 
-All of it is read off the numbers that the other modules found, and changes with them.
+All of it is generated from the numbers that the other modules found, and changes with them.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from psp3.thesis.plan import ERROR, NOISY, Outcomes, Plan, Series, count, decibe
 MARKERS = ("o", "s", "^", "D", "v")
 
 LINES = {"PD": "PD", "CTC": "exact computed torque"}
-"""Controllers that learn nothing, as the figure names them."""
+"""Names in the figure of controllers that do not learn."""
 
 
 def errors_of_result(results: Outcomes, plan: Plan) -> Series:
@@ -138,7 +138,7 @@ def opening(plan: Plan, outcome: Reproduction) -> None:
 
 
 def _sentence(plan: Plan, numbers: Mapping[str, Any]) -> str:
-    """Return what came out, for a reader who knows neither robot nor thesis."""
+    """Return the result for a reader who knows neither the robot nor the thesis."""
     definitions = numbers["definitions"]
     won = [
         all(entry["verdict"] == "type-2 better" for entry in by_level.values())

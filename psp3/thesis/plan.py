@@ -1,4 +1,4 @@
-"""Which runs the replication of chapter 6 needs, and how their outcomes are put in words."""
+"""The runs that the replication of chapter 6 needs, and their outcomes in words."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ LEARNERS = {
     "ridge": "ridge",
 }
 """Learners as tables name them; the first is the default, the third is the one that the thesis
-names.
+cites.
 """
 
 DEFINITIONS: dict[str, dict[str, str]] = {
@@ -50,8 +50,8 @@ DEFINITIONS: dict[str, dict[str, str]] = {
     "mean square, on G alone": {"noisy_entries": "gravity"},
     "mean square, on M and C alone": {"noisy_entries": "mass-coriolis"},
 }
-"""What the power of "noise of S dB" can be taken against, as tables name it, with the fields of a
-run; the first is the default.
+"""Definitions of the power that "noise of S dB" refers to, as tables name them, with their fields
+of a run; the first is the default.
 """
 
 READINGS = {
@@ -59,13 +59,13 @@ READINGS = {
     "online": "noise on M, C and G at run time",
     "plant": "masses and inertias off, unknown payload",
 }
-"""Readings of noise besides the default one, as tables name them."""
+"""The other readings of noise besides the default one, as tables name them."""
 
 NOISY = (20.0, 15.0, 10.0)
 """Finite signal-to-noise ratios of Table 6.3 [dB]."""
 
 NOISIER = (5.0, 0.0)
-"""Signal-to-noise ratios below those of the thesis [dB], to find out where controllers break."""
+"""Signal-to-noise ratios below those of the thesis [dB], at which controllers may break."""
 
 MOST_SWEEP_SEEDS = 10
 """Seeds of the comparisons that the thesis never showed."""
@@ -75,7 +75,7 @@ ERROR = "sum_of_squared_errors"
 
 @dataclass(frozen=True)
 class Plan:
-    """What is run.
+    """The choice of runs.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ class Plan:
     widths : tuple of float
         Factors of the standard deviation of type-1 terms that are tried.
     suited : tuple of float
-        Mean variations from which each definition of the noise gets the one that suits it best.
+        Mean variations from which each definition of the noise gets its best one.
     trajectories : tuple of str
         Names of the trajectories, that of the training first.
     """
@@ -108,9 +108,9 @@ class Plan:
 
     @classmethod
     def of(cls, seeds: int, quick: bool = False) -> Plan:
-        """Return the whole plan, or a short one that shows only that everything works.
+        """Return the full plan, or a short one that only checks that everything works.
 
-        The short one is done in seconds.
+        The short one takes seconds.
         """
         if quick:
             few = min(seeds, 2)
@@ -127,7 +127,7 @@ class Plan:
         return cls(seeds, min(seeds, MOST_SWEEP_SEEDS))
 
     def runs(self) -> tuple[Run, ...]:
-        """Return all runs; the study does those that differ in nothing that matters once."""
+        """Return all runs; the study does runs with the same canonical form once."""
         all_seeds, seeds = range(self.seeds), range(self.sweep_seeds)
         levels, classical = (math.inf, *self.sweep_levels), ("pd", "pd-gravity", "ctc")
         return (
@@ -200,9 +200,9 @@ class Outcomes:
         }
 
     def values(self, run: Run, seeds: int, metric: str = ERROR) -> Array:
-        """Return a metric of a run for each seed.
+        """Return the values of a run's metric, one for each seed.
 
-        Of a run without noise, which no seed changes, once.
+        A run without noise does not depend on the seed and has one value.
         """
         if run.canonical().snr_db == math.inf:
             seeds = 1
@@ -218,41 +218,41 @@ class Outcomes:
         return statistics.mean(self.values(run, seeds, metric))
 
     def average(self, run: Run, seeds: int, metric: str = "diverged") -> float:
-        """Return the average over all seeds: of what is 0 or 1, the share."""
+        """Return the average over all seeds; for a metric that is 0 or 1, this is the share."""
         return float(self.values(run, seeds, metric).mean())
 
     def difference(self, run: Run, controller: str, seeds: int) -> Estimate:
-        """Return the mean difference of the errors by seed, that controller's minus type-1's."""
+        """Return the mean difference of the errors by seed, controller minus type-1."""
         return statistics.paired_difference(*self._pair(run, controller, seeds))
 
     def ratio(self, run: Run, controller: str, seeds: int, inverse: bool = False) -> Estimate:
         """Return the ratio of the mean errors over the same seeds.
 
-        That controller's over type-1's, or the inverse.
+        It is that of the controller over type-1, or the inverse.
         """
         pair = self._pair(run, controller, seeds)
         return statistics.ratio_of_means(*(pair[::-1] if inverse else pair))
 
     def typical_ratio(self, run: Run, controller: str, seeds: int) -> Estimate:
-        """Return the ratio of the geometric means over the same seeds: that of typical runs."""
+        """Return the ratio of the geometric means over the same seeds, for typical runs."""
         return statistics.ratio_of_geometric_means(*self._pair(run, controller, seeds))
 
     def spread(self, run: Run, seeds: int) -> tuple[float, float]:
         """Return the 2.5 and 97.5 % points of single runs' errors, of those that did not diverge.
 
-        What one number, which a single run gave, is to be compared with.
+        A printed number is a single run, so it is compared with this spread.
         """
         return _spread(self.values(run, seeds))
 
     def spread_of_ratios(self, run: Run, controller: str, seeds: int) -> tuple[float, float]:
-        """Return the 2.5 and 97.5 % points of that controller's error over type-1's by seed."""
+        """Return the 2.5 and 97.5 % points of the controller's error over type-1's by seed."""
         first, second = self._pair(run, controller, seeds)
         return _spread(first / second)
 
     def wins(self, run: Run, other: Run, seeds: int) -> tuple[int, int]:
-        """Return in how many seeds a run has less error than another, and of how many.
+        """Return the number of seeds with which a run has less error than another, and of how many.
 
-        Seeds with which one of the two diverged are not counted.
+        Seeds with which either diverged are not counted.
         """
         first, second = self.values(run, seeds), self.values(other, seeds)
         both = np.isfinite(first) & np.isfinite(second)
@@ -261,7 +261,7 @@ class Outcomes:
     def shown(self, run: Run, seeds: int) -> str:
         """Return the mean error with its interval, as tables show it.
 
-        If runs diverged, their share is there, too.
+        If runs diverged, their share is added.
         """
         return with_share(self.mean(run, seeds), self.average(run, seeds))
 
@@ -280,7 +280,7 @@ def _spread(values: Array) -> tuple[float, float]:
 
 
 def won(wins: int, of: int) -> str:
-    """Return in how many of the seeds something won, as tables show it."""
+    """Return the number and share of seeds that a controller won, as tables show it."""
     return f"{wins} of {of}, {percent(wins / of)}" if of else "–"
 
 
@@ -310,9 +310,9 @@ def with_share(average: Estimate, diverged: float) -> str:
 
 
 def in_brackets(seeds: Iterable[int], *estimands: str) -> str:
-    """Return what stands below a table with intervals: of what they are, and how often such held.
+    """Return the note below a table with intervals: their estimands and measured coverage.
 
-    With so many seeds, or with each of these numbers of them.
+    The coverage depends on the number of seeds, of which there may be several.
     """
     held = dict.fromkeys(coverage_in_words(*estimands, seeds=one) for one in seeds)
     return f"In brackets 95 % intervals; {'; '.join(held)}."

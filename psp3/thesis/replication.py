@@ -1,10 +1,10 @@
 """The main job of the package.
 
-Run the thesis's comparison on the robot and set every number beside the printed one.
+It runs the thesis's comparison on the robot and puts every number beside the printed one.
 
-Everything is computed, nothing is copied: the tables of chapters 5 and 6, Figures 49 and 51 to 64,
-and what the thesis never showed. The runs behind them are one study, kept in a file, so the job
-goes on where it was stopped.
+Everything is computed: the tables of chapters 5 and 6, Figures 49 and 51 to 64, and comparisons
+that the thesis never showed. The runs behind them are one study, kept in a file, so a job that was
+stopped resumes there.
 """
 
 from __future__ import annotations
@@ -34,13 +34,13 @@ from psp3.three_psp.parameters import PARAMETER_SETS
 from psp3.trajectories.paths import Helix
 
 SEEDS = 30
-"""Seeds of Table 6.3, unless asked for others."""
+"""Default number of seeds of Table 6.3."""
 
 SIDE_BY_SIDE = ("type-1, 20 dB", "type-2, 20 dB")
 """Results that the animation shows."""
 
 SLOW_STEPS, STEPS = 1000, 5000
-"""Control steps timed of controllers that take milliseconds, and of the others."""
+"""Number of timed control steps, for controllers that take milliseconds and for the others."""
 
 Progress = Callable[[str, int, int], None]
 
@@ -61,8 +61,8 @@ def reproduce(
         Directory to write to; made if it does not exist. Runs that its ``study.sqlite`` already
         holds are not repeated.
     quick : bool
-        Leave out the animation, and take two seeds and a few values of everything: shows that all
-        works, in seconds.
+        Leave out the animation, and use two seeds and a few values of everything. This checks in
+        seconds that everything works.
     progress : callable, optional
         Called with a description, the number of steps done and the number of steps.
     seeds : int
@@ -92,7 +92,7 @@ def reproduce(
     checked_count("seeds", seeds, 1, MOST_SEEDS)
     directory = Path(out)
     made_folder(directory / "figures")
-    # Nothing is left behind, and no file of the user's is taken for ours.
+    # The probe file leaves nothing behind and cannot overwrite a file of the user.
     TemporaryFile(dir=directory).close()
 
     plan = Plan.of(seeds, quick)

@@ -1,7 +1,7 @@
-"""Write what :mod:`psp3.thesis.replication` found as one HTML file that needs nothing else.
+"""Write the findings of :mod:`psp3.thesis.replication` as one self-contained HTML file.
 
 It opens with one sentence, the picture of the machine, the figure of the result and a table of
-verdicts. All else is folded: titles are seen, and what is below one of them when it is opened.
+verdicts. All else is folded under titles that can be opened.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def write_report(outcome: Reproduction, path: Path) -> Path:
     Parameters
     ----------
     outcome : Reproduction
-        Sentence, answer, tables and drawings; these are embedded.
+        Sentence, answer, tables and drawings; the drawings are embedded.
     path : path
         The HTML file.
 

@@ -20,8 +20,8 @@ def numbers_of_table_3_1(robot: PSP3) -> Unknowns:
 
     See :class:`psp3.Parameters`.
 
-    The products of inertia and the offsets that the table does not have are zero, and the three
-    legs are equal.
+    The products of inertia and the offsets that the table lacks are zero, and the three legs are
+    equal.
 
     Raises
     ------
@@ -41,8 +41,8 @@ def numbers_of_table_3_1(robot: PSP3) -> Unknowns:
             continue
         value = np.atleast_1d(getattr(robot.parameters, field.name))
         for k in range(len(value)):
-            # The standard parameters are linear in each number, so a difference of any size is the
-            # derivative.
+            # The standard parameters are linear in each number, so a finite difference of any step
+            # is the exact derivative.
             raised = value.copy()
             raised[k] += 1.0
             change: dict[str, Any] = {

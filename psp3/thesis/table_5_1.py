@@ -1,12 +1,11 @@
-r"""What a printed mass matrix and gravity vector say about the robot they were computed for.
+r"""Bounds on a robot's parameters from a printed mass matrix and gravity vector.
 
-Table 5.1, for instance.
+Table 5.1 is the default.
 
-At one pose M is linear in the base parameters :math:`\beta`, and so is G but for the acceleration
-of free fall g. A printed number is known to half a unit of its last digit, and nothing else is
-known of its error: the values that explain all printed numbers fill a polytope, whose extent in any
-direction two linear programs find (an interval without probabilities: it holds the true value for
-sure).
+At one pose M is linear in the base parameters :math:`\beta`, and so is G apart from the
+acceleration of free fall g. The error of a printed number is at most half a unit of its last digit.
+The parameters that agree with all printed numbers form a polytope. Two linear programs find its
+extent in any direction, an interval that is certain to hold the true value.
 """
 
 from __future__ import annotations
@@ -28,22 +27,21 @@ ROUNDING_OF_TABLE_5_1 = 0.5e-4
 
 @dataclass(frozen=True, eq=False)
 class Implied:
-    """What printed matrices say about base parameters.
+    """Bounds on base parameters from printed matrices.
 
     Parameters
     ----------
     base : BaseParameters
-        The r numbers that it is about.
+        The r base parameters.
     null_space : (r, k) ndarray
-        Changes of the base parameters, as shares of what is believed, that leave M and G as they
-        are: orthonormal columns.
+        Changes of the base parameters, relative to the model's values, that do not change M and G:
+        orthonormal columns.
     misfit : float
-        Largest error that no choice of values avoids, in units of the rounding: up to 1, the
-        printed numbers are explained.
+        Least possible value of the largest error, in units of the rounding. If it is at most 1,
+        some parameters explain the printed numbers.
     nearest : (r,) ndarray
-        Values that explain the printed numbers and are nearest to what is believed: with the least
-        sum of squares of the changes, g's among them, as shares of what is believed. NaN if nothing
-        explains the numbers.
+        Values that explain the printed numbers and are nearest to the model: they have the least
+        sum of squared relative changes, including that of g. NaN if no values explain the numbers.
     """
 
     base: BaseParameters
@@ -59,9 +57,9 @@ class Implied:
         return len(self.null_space) - len(self.null_space.T)
 
     def interval(self, combination: ArrayLike) -> tuple[float, float]:
-        """Return the least and the greatest value of a combination of base parameters.
+        """Return the least and greatest value of a linear combination of base parameters.
 
-        Of those parameters that explain the printed numbers.
+        The range is over all parameters that explain the printed numbers.
 
         Parameters
         ----------
@@ -71,7 +69,7 @@ class Implied:
         Returns
         -------
         low, high : float
-            Infinite where the numbers say nothing about it; NaN if nothing explains the numbers.
+            Infinite if the numbers do not bound it; NaN if no parameters explain the numbers.
         """
         coefficients = one_row("combination", combination, len(self.base.columns))
         shares = coefficients * np.abs(self.base.believed)
@@ -87,7 +85,7 @@ class Implied:
     def gravity(self) -> tuple[float, float]:
         """Least and greatest acceleration of free fall that explain the printed numbers.
 
-        NaN if nothing does [m/s²].
+        NaN if none does [m/s²].
         """
         if not self.misfit <= 1.0:
             return np.nan, np.nan
@@ -105,9 +103,9 @@ def implied_parameters(
     gravity: ArrayLike = published.TABLE_5_1_GRAVITY,
     rounding: float = ROUNDING_OF_TABLE_5_1,
 ) -> Implied:
-    r"""Return what a printed mass matrix and gravity vector say about base parameters.
+    r"""Return the bounds on base parameters from a printed mass matrix and gravity vector.
 
-    Those of Table 5.1 by default.
+    The default matrices are those of Table 5.1.
 
     .. math:: | M_{ij}(\beta) - M_{ij} | \le \epsilon, \qquad
               | g\, \hat G_i(\beta) - G_i | \le \epsilon
@@ -118,8 +116,8 @@ def implied_parameters(
     Parameters
     ----------
     base : BaseParameters
-        What is asked for. None of them may be believed to be zero, because changes are counted as
-        shares of what is believed.
+        The base parameters. None may be zero in the model, because changes are relative to the
+        model's values.
     positions : (n,) array_like
         Pose of the actuated joints that the matrices belong to [m or rad].
     mass : (n, n) array_like
@@ -154,7 +152,7 @@ def implied_parameters(
         raise InvalidValue(
             "base",
             base.names[int(np.argmin(believed))],
-            "parameters that are believed to be something else than zero",
+            "base parameters that are not zero in the robot's model",
         )
     _fall(base)
 
@@ -166,8 +164,8 @@ def implied_parameters(
     columns = np.concatenate([(columns[:n] - columns[n])[upper], columns[n]])
     known = np.concatenate([(known[:n] - known[n])[upper], known[n]])
     numbers = np.concatenate([printed[upper], weight])
-    # What is looked for are changes from what is believed: of base parameters and of 1/g, as
-    # shares. An error of G is divided by the change of g here, too, which is of second order.
+    # The unknowns are relative changes of the base parameters and of 1/g from the model's values.
+    # Here an error of G is also divided by the change of g, which is an effect of second order.
     rows = (
         np.column_stack(
             [columns * believed, np.where(np.arange(len(numbers)) < len(upper[0]), 0.0, -numbers)]
@@ -182,7 +180,7 @@ def implied_parameters(
 
 
 def _fall(base: BaseParameters) -> float:
-    """Return the acceleration of free fall that the robot's model believes in."""
+    """Return the acceleration of free fall in the robot's model."""
     fall = float(np.linalg.norm(base.unknowns.robot.model.gravity.linear))
     if fall == 0.0:
         raise InvalidValue("gravity of the model", fall, "positive")
@@ -209,7 +207,7 @@ def _misfit(rows: Array, misses: Array) -> float:
 def _extent(costs: Array, rows: Array, misses: Array) -> tuple[float, float]:
     """Return the least and the greatest value of costs · x.
 
-    Over the changes x with all | rows x - misses | up to 1.
+    The changes x satisfy | rows x - misses | ≤ 1 in every row.
     """
     matrix, bounds = np.concatenate([rows, -rows]), np.append(misses, -misses) + 1.0
     return _solved(costs, matrix, bounds)[1], -_solved(-costs, matrix, bounds)[1]
@@ -236,8 +234,8 @@ def _solved(costs: Array, matrix: Array, bounds: Array) -> tuple[Array, float]:
     """Return the solution of a linear program and its value."""
     from scipy.optimize import linprog
 
-    # The solver's tolerances are absolute, so every unknown is counted in a unit that a constraint
-    # notices.
+    # The solver's tolerances are absolute, so every unknown is scaled to have a noticeable effect
+    # on a constraint.
     units = 1.0 / np.abs(matrix).max(axis=0)
     found = linprog(costs * units, A_ub=matrix * units, b_ub=bounds, bounds=(None, None))
     return np.asarray(found.x, dtype=np.float64) * units, float(found.fun)

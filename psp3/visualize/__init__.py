@@ -1,4 +1,4 @@
-"""See the robot in the browser.
+"""The robot in the browser.
 
 :class:`Scene` for files and notebooks, :class:`Viewer` for a live view, on MeshCat.
 

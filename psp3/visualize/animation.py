@@ -1,6 +1,6 @@
 """The frames of an animation.
 
-What is to be seen of a result or a trajectory, at even times, and MeshCat's tracks through them.
+They are the visible data of a result or a trajectory at even times, and MeshCat's tracks of them.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ FRAME_RATE = 30.0
 """Frames per second of an animation; the browser interpolates between them."""
 
 MOST_FRAMES = 10**6
-"""Nine hours; no page holds more."""
+"""Greatest number of frames, nine hours; a page cannot hold more."""
 
 _TRACK_TYPES = {"position": "vector3", "quaternion": "quaternion", "scale": "vector3"}
 
 
 class Frames(NamedTuple):
-    """What is to be seen, frame by frame.
+    """The visible data, frame by frame.
 
     ``time`` (n,) [s]; ``positions`` (n, k), positions of the actuated joints [m]; the others may be
     missing: ``tip`` (n, 3), ``desired_positions`` (n, k) and ``desired_tip`` (n, 3) [m], ``force``
@@ -43,14 +43,14 @@ class Frames(NamedTuple):
 def frames_of(motion: Result | Trajectory, duration: float | None = None) -> Frames:
     """Return the frames of a result, or of a trajectory.
 
-    Of a result on the simulation's own time, of a trajectory as it is desired.
+    A result is shown in simulated time, a trajectory as its desired motion.
 
     Parameters
     ----------
     motion : Result or Trajectory
         What to show.
     duration : float, optional
-        How long to follow a trajectory [s]; by default until it rests.
+        Time to follow a trajectory [s]; by default until it rests.
 
     Raises
     ------
@@ -104,9 +104,9 @@ def clip(path: str, seconds: Array, tracks: Mapping[str, Array]) -> dict[str, An
     seconds : (n,) ndarray
         Times of the frames [s].
     tracks : mapping of (n, 3) or (n, 4) ndarray
-        ``"position"`` [m], ``"quaternion"`` (x, y, z, w) and ``"scale"``. Tracks that stand still
-        are left out, and of a position or scale that changes along one axis only this axis is kept,
-        which makes files small.
+        ``"position"`` [m], ``"quaternion"`` (x, y, z, w) and ``"scale"``. To keep files small,
+        constant tracks are left out, and a position or scale that changes along one axis has only
+        this axis.
     """
     moving = []
     for name, values in tracks.items():

@@ -1,6 +1,6 @@
 """A scene of the two links that are nearest to each other.
 
-Their shapes in color, and the shortest way between them.
+It shows their shapes in color, and the shortest line between them.
 """
 
 from __future__ import annotations
@@ -20,15 +20,16 @@ from psp3.visualize.scene import FIELD_OF_VIEW, VIEW_DIRECTION, Scene
 from psp3.visualize.shapes import Flat, Tube, geometry, rgb
 
 LINK_COLORS = "#c2255c", "#0b7285"
-"""Of the first link and the second: those of the actual and the desired path in other scenes."""
+"""Colors of the first and the second link, which other scenes use for the actual and the desired
+path."""
 
 POINT_COLOR = "#f08c00"
 
 POINT_RADIUS, WAY_RADIUS = 0.004, 0.0015
-"""Of the nearest points, and of the tube between them [m]."""
+"""Radii of the nearest points, and of the tube between them [m]."""
 
 SURROUNDINGS = 0.07
-"""How much around the nearest points is in view from nearby, to every side [m]."""
+"""Distance around the nearest points, on every side, that is in the close view [m]."""
 
 NODE = "robots/0/nearest"
 
@@ -36,8 +37,8 @@ NODE = "robots/0/nearest"
 class CollisionScene(Scene):
     """A robot on a floor, with the two links that are nearest to each other.
 
-    The collision shapes of their bodies are drawn in the place of what these look like, each body
-    in a color of its own.
+    The collision shapes of their bodies replace the visual shapes, in a different color for each
+    body.
 
     Parameters
     ----------
@@ -75,7 +76,8 @@ class CollisionScene(Scene):
         self.show(positions)
         configuration = self.robot.configuration(np.reshape(positions, -1))
         for number, (link, color) in enumerate(zip(nearest.links, LINK_COLORS, strict=True)):
-            # What stands on the floor keeps its look: in one color it would be one mass.
+            # A body that stands on the floor keeps its visual shapes, because in one color it would
+            # be hard to recognize.
             if self.model.joint_of(link):
                 self._draw_body(f"{NODE}/{number}", link, color, configuration)
         seen_through = Flat(POINT_COLOR, opacity=0.95)
@@ -90,7 +92,7 @@ class CollisionScene(Scene):
         return self
 
     def _set_stage(self, nearest: Nearest) -> None:
-        """Have the whole robot in view, from nearby the points, and say what the colors are."""
+        """Set a full view of the robot and a close view of the points, and add the legend."""
         corners = self._performers[0].body.corners(self.robot.q0)
         box = np.array([corners.min(axis=0), corners.max(axis=0)])
         cube = np.array(
@@ -118,15 +120,15 @@ class CollisionScene(Scene):
                 ],
             }
         )
-        # What is shown next sets the stage anew.
+        # The next content must set the stage again.
         self._cast = None
 
     def _draw_body(self, node: str, link: str, color: str, configuration: Array) -> None:
         """Draw the collision shapes of the body that a link belongs to.
 
-        They take the place of what the body looks like.
+        They replace the body's visual shapes.
         """
-        # Not before psp3.visualize.shapes, which has MeshCat imported without a warning.
+        # Imported after psp3.visualize.shapes, which imports MeshCat without its warning.
         from psp3.visualize.robot_visualizer import RobotVisualizer
 
         body, model = self._performers[0].body, self.robot.model

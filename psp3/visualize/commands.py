@@ -1,6 +1,6 @@
 """The commands that build a scene in the browser.
 
-They are kept so that a page can be written or served at any time.
+They are kept, so a page can be written or served at any time.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ _NUMPY_TYPES = {0x12: np.uint8, 0x15: np.int32, 0x16: np.uint32, 0x17: np.float3
 
 
 class DrawingCommands:
-    """The commands that build the scene as it is now, in JSON.
+    """The commands that build the present scene, in JSON.
 
-    MeshCat takes it for the connection to its server.
+    MeshCat uses this object in place of the connection to its server.
     """
 
     def __init__(self) -> None:
@@ -35,14 +35,14 @@ class DrawingCommands:
         self.add(command.lower())
 
     def add(self, command: dict[str, Any]) -> None:
-        """Take a command, which reaches every subscriber.
+        """Add a command and send it to every subscriber.
 
-        It replaces an earlier one to the same effect.
+        It replaces an earlier command for the same object.
 
         Raises
         ------
         InvalidValue
-            If a number in it is not finite: no browser reads it.
+            If a number in it is not finite, because browsers cannot read that.
         """
         path = command.get("path", "")
         try:
@@ -59,8 +59,8 @@ class DrawingCommands:
                     del self._current[key]
             else:
                 key = (command["type"], path, command.get("property", ""))
-                # In the order of the last calls: an animation must find its nodes where it begins,
-                # or three.js takes values for set that are not.
+                # In the order of the last calls: nodes must have their first values before an
+                # animation starts, or three.js assumes values that were not set.
                 self._current.pop(key, None)
                 self._current[key] = text
             for subscriber in self._subscribers:
@@ -80,8 +80,8 @@ class DrawingCommands:
         with self._lock:
             for text in self._current.values():
                 subscriber.put(text)
-            # A browser may connect just as the viewer closes; nobody would end its subscription
-            # later.
+            # A browser may connect just as the viewer closes; its subscription would then never
+            # end.
             if self._ended:
                 subscriber.put(None)
             self._subscribers.append(subscriber)
@@ -93,7 +93,7 @@ class DrawingCommands:
             self._subscribers.remove(subscriber)
 
     def end(self) -> None:
-        """End all subscriptions, those that are yet to come as well."""
+        """End all subscriptions, including future ones."""
         with self._lock:
             self._ended = True
             for subscriber in self._subscribers:
@@ -101,9 +101,9 @@ class DrawingCommands:
 
 
 def _as_plain_data(value: Any) -> Any:
-    """Turn what JSON does not know into lists and numbers.
+    """Convert data that JSON does not support to lists and numbers.
 
-    It does not know packed arrays of MeshCat and numbers of NumPy.
+    These are packed arrays of MeshCat and numbers of NumPy.
     """
     if hasattr(value, "data") and hasattr(value, "type"):
         return np.frombuffer(value.data, _NUMPY_TYPES[value.type]).tolist()

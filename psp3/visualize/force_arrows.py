@@ -14,16 +14,16 @@ from psp3.visualize.shapes import Column, Satin, meshcat, rgb
 FORCE_COLOR = "#5f3dc4"
 
 CLEARANCE = 0.044
-"""An arrow starts where the nut ends, this far above or below the nut's middle [m]."""
+"""Distance of an arrow's start, the end of the nut, above or below the nut's middle [m]."""
 
 HEAD_LENGTH, HEAD_RADIUS, SHAFT_RADIUS = 0.045, 0.026, 0.0125
-"""Of an arrow [m]; the head of a force shorter than a head is smaller."""
+"""Sizes of an arrow [m]; an arrow shorter than its head gets a smaller head."""
 
 LONGEST = 0.25
-"""Length that no arrow exceeds [m]."""
+"""Greatest length of an arrow [m]."""
 
 _NO_LENGTH = 1e-4
-"""In place of a length of zero, which no matrix with an inverse has."""
+"""Replaces a length of zero, for which the matrix would be singular."""
 
 
 def newtons_per_decimeter(largest: float) -> float:
@@ -38,21 +38,21 @@ def newtons_per_decimeter(largest: float) -> float:
 
 
 class ForceArrow:
-    """An arrow on a sliding motor, which grows with the force, one way or the other.
+    """An arrow on a sliding motor that shows the size and the sign of its force.
 
     Parameters
     ----------
     slider : meshcat.Visualizer
-        Node of the joint, with which the arrow moves.
+        Node of the joint, which carries the arrow.
     origin : (3,) ndarray
-        Where the force acts, in the axes of the joint [m].
+        Point where the force acts, in the axes of the joint [m].
     axis : (3,) ndarray
         Direction of a positive force, in the axes of the joint.
     """
 
     def __init__(self, slider: meshcat.Visualizer, origin: Array, axis: Array) -> None:
         self._shaft, self._head = slider["force/shaft"], slider["force/head"]
-        # Drawn along z; turned where the motor pushes another way.
+        # Drawn along z, and rotated if the motor pushes in another direction.
         turn = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), axis).toRotationMatrix()
         self._origin = turn.T @ origin
         if not np.array_equal(axis, [0.0, 0.0, 1.0]):
@@ -61,17 +61,18 @@ class ForceArrow:
         self._head.set_object(Column(HEAD_LENGTH, HEAD_RADIUS, 0.0), Satin(rgb(FORCE_COLOR)))
 
     def place(self, lengths: Array, seconds: Array) -> list[dict[str, Any]]:
-        """Put the arrow at the first of its lengths, (n,) [m], negative downward.
+        """Set the arrow to the first of its lengths, (n,) [m], negative downward.
 
-        Return its animation through all.
+        Return its animation through all lengths.
         """
         size = np.maximum(np.minimum(np.abs(lengths) / HEAD_LENGTH, 1.0), _NO_LENGTH)
         reach = np.maximum(np.abs(lengths) - size * HEAD_LENGTH, _NO_LENGTH)
-        # Downward is upward turned around x: three.js takes a matrix with negative scales for
-        # another rotation.
+        # A downward arrow is an upward one rotated about x, because three.js decomposes a matrix
+        # with negative scales into a wrong rotation.
         down = lengths < 0.0
         turn = np.where(down[:, None], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0])
-        # From the upper end of the nut to the lower one while the force changes its sign.
+        # The arrow moves from the upper end of the nut to the lower one while the force changes
+        # sign.
         start = CLEARANCE * np.clip(lengths / HEAD_LENGTH, -1.0, 1.0)
         parts = []
         for node, base, scale in (

@@ -17,12 +17,12 @@ from psp3.visualize.shapes import Glass, Satin, meshcat
 GHOST_OPACITY = 0.4
 
 GHOST_MARGIN = 0.0015
-"""A ghost is thinner than the robot all around [m]: it is hidden where the two agree, and neither
-flickers through the other.
+"""The ghost is thinner than the robot by this margin on all sides [m], so it is hidden where both
+coincide, without flicker.
 """
 
 MARK_LENGTH = 0.005
-"""Cylinders whose half length is less are marks on something else [m]."""
+"""Cylinders with a smaller half length are marks on other shapes [m]."""
 
 _PRIMITIVES = coal.Box | coal.Cylinder | coal.Sphere
 
@@ -30,7 +30,7 @@ _PRIMITIVES = coal.Box | coal.Cylinder | coal.Sphere
 class RobotVisualizer(MeshcatVisualizer):  # type: ignore[misc]
     """Pinocchio's visualizer with one node for each rigid body.
 
-    So a motion is one track a body and not one a shape.
+    A motion then needs one track per body instead of one per shape.
 
     Bodies that a loop joins rigidly, such as the thirds of the star, share a node.
 
@@ -39,7 +39,7 @@ class RobotVisualizer(MeshcatVisualizer):  # type: ignore[misc]
     robot : Robot
         What to show.
     viewer : meshcat.Visualizer
-        Where.
+        Viewer to draw in.
     node : str
         Path of the robot in the scene.
     ghost : str, optional
@@ -98,7 +98,7 @@ class RobotVisualizer(MeshcatVisualizer):  # type: ignore[misc]
         node.set_transform(in_body.homogeneous @ np.diag([*geometry_object.meshScale, 1.0]))
 
     def updatePlacements(self, geometry_type: Any) -> None:
-        """Move every body to where the last forward kinematics put its joint."""
+        """Move every body to the placement of its joint in the last forward kinematics."""
         for joint in self.joints:
             self.viewer[self.joint_node(joint)].set_transform(self.data.oMi[joint].homogeneous)
 
@@ -112,8 +112,8 @@ class RobotVisualizer(MeshcatVisualizer):  # type: ignore[misc]
         clips = []
         for joint, of_joint in poses.items():
             pose = np.array(of_joint)
-            # q and −q are the same rotation; the browser must not go the long way round between two
-            # frames.
+            # q and −q are the same rotation; the sign is chosen so that the browser interpolates
+            # the shorter way between frames.
             pose[:, 3:] *= np.cumprod(
                 np.append(
                     1.0, np.where((pose[1:, 3:] * pose[:-1, 3:]).sum(axis=1) < 0.0, -1.0, 1.0)
@@ -146,7 +146,7 @@ class RobotVisualizer(MeshcatVisualizer):  # type: ignore[misc]
 def _rigidly_joined(robot: Robot) -> dict[int, tuple[int, pin.SE3]]:
     """Return the other joint of each 6D loop and the placement in it.
 
-    For each joint whose body such a loop joins to that of another.
+    The entries are the joints whose body such a loop joins to another body.
     """
     joined: dict[int, tuple[int, pin.SE3]] = {}
     for loop in robot.constraint_models:
@@ -159,18 +159,19 @@ def _rigidly_joined(robot: Robot) -> dict[int, tuple[int, pin.SE3]]:
                 loop.joint1_id,
                 loop.joint1_placement * loop.joint2_placement.inverse(),
             )
-    # A body that others are joined to must not be joined on itself: it keeps its own node.
+    # A body that others are joined to keeps its own node, because it must not be joined to another
+    # itself.
     carriers = {carrier for carrier, _ in joined.values()}
     return {joint: entry for joint, entry in joined.items() if joint not in carriers}
 
 
 def _thinned(visual_model: pin.GeometryModel) -> pin.GeometryModel:
-    """Return the shapes that move, each thinner by the margin all around."""
+    """Return the moving shapes, each thinner by the margin on all sides."""
     thin = pin.GeometryModel()
     for shape in visual_model.geometryObjects:
         moving, form = shape.copy(), shape.geometry
-        # Marks on the arms would be inside the thinner arms, and rings about them in a translucent
-        # picture.
+        # Marks on the arms are left out: they would be hidden inside thinner arms, or show as rings
+        # through translucent ones.
         if shape.parentJoint == 0 or (
             isinstance(form, coal.Cylinder) and form.halfLength < MARK_LENGTH
         ):

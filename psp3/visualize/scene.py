@@ -1,6 +1,6 @@
 """The robot on a floor in one page, at rest or in motion, beside other robots.
 
-A page that needs no network.
+The page needs no network.
 
 A scene is a list of MeshCat's drawing commands. :class:`Scene` collects them with Pinocchio's
 MeshCat visualizer and puts them in one page, ``scene.html``, which holds MeshCat itself, the lights
@@ -38,12 +38,12 @@ from psp3.visualize.shapes import Flat, Tube, geometry, meshcat, meshcat_script
 from psp3.visualize.tracking_error import tracking_error
 
 VIEW_DIRECTION = (0.47, 0.76, 0.44)
-"""From the robot toward the camera: between arms 1 and 2, so that the third column stands behind
-the star.
+"""Direction from the robot to the camera: between arms 1 and 2, so the third column is behind the
+star.
 """
 
 FIELD_OF_VIEW = 24.0
-"""Vertical angle that the camera sees [degrees]."""
+"""Vertical field of view of the camera [degrees]."""
 
 SPACING = 0.72
 """Least distance between robots that stand side by side [m]."""
@@ -59,19 +59,20 @@ FRAME_HEIGHT = 520
 """Height of a scene in a notebook [pixels]."""
 
 LISTEN = "null"
-"""In the place of commands: they come from the server that the page is from."""
+"""Placeholder for commands in a served page, which gets them from its server."""
 
 POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
     "img-src data: blob:; font-src data:; worker-src blob:; connect-src 'self' data: blob:"
 )
-"""What a scene may do: nothing is loaded from elsewhere, whatever a mesh asks for."""
+"""Content security policy of a scene: nothing is loaded from elsewhere, whatever a mesh refers
+to."""
 
 
 class _Performer:
-    """One robot of a scene: its body.
+    """One robot of a scene.
 
-    And as far as wanted its ghost, force arrows, paths of the tip, and target.
+    It has a body and, if requested, a ghost, force arrows, paths of the tip, and a target.
     """
 
     def __init__(self, robot: Robot, viewer: meshcat.Visualizer, node: str, frames: Frames) -> None:
@@ -91,7 +92,7 @@ class _Performer:
             ]
 
     def perform(self, frames: Frames, meters_per_newton: float) -> list[dict[str, Any]]:
-        """Take the pose of the first frame; return the animations through all."""
+        """Set the pose of the first frame; return the animations through all frames."""
         seconds = frames.time - frames.time[0]
         configurations = self._robot.configuration(frames.positions)
         clips = self.body.clips(configurations, seconds)
@@ -127,7 +128,7 @@ class _Performer:
 class Scene:
     """Robots on a floor, in one pose or in motion.
 
-    Ready to be written to a file or shown in a notebook.
+    It can be written to a file or shown in a notebook.
 
     Parameters
     ----------
@@ -136,8 +137,8 @@ class Scene:
 
     Notes
     -----
-    As the last value of a notebook's cell a scene shows itself. The whole scene is in the output,
-    so it works on a JupyterHub and in exported pages, where a server would be out of reach.
+    A scene that is the last value of a notebook's cell is displayed. The whole scene is in the
+    output, so it works on a JupyterHub and in exported pages, which cannot reach a local server.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -160,13 +161,13 @@ class Scene:
         Parameters
         ----------
         positions : (n,) array_like
-            Positions of the actuated joints [m or rad]; of the 3-PSP its nut heights.
+            Positions of the actuated joints [m or rad]; for the 3-PSP its nut heights.
         desired : (3,) array_like, optional
-            Positions of a pose to show as a translucent ghost [m]: it comes out where the robot
-            is not there.
+            Positions of a pose to show as a translucent ghost [m], which is visible where it
+            differs from the robot.
         force : (n,) array_like, optional
-            Forces of the sliding motors to show as arrows along them [N]; of the 3-PSP those of the
-            screws on the nuts, up is positive.
+            Forces of the sliding motors to show as arrows along them [N]; for the 3-PSP those of
+            the screws on the nuts, positive upward.
 
         Returns
         -------
@@ -176,9 +177,9 @@ class Scene:
         Raises
         ------
         InvalidArray
-            If positions or forces are not as many finite numbers as the robot has motors.
+            If positions or forces are not finite, or not one number for each motor.
         UnreachablePose
-            If they ask for an arm length that is not positive.
+            If the positions require an arm length that is not positive.
         InvalidValue
             If a force is given for a robot with motors that do not slide.
         """
@@ -188,7 +189,7 @@ class Scene:
                 force,
                 "left out: arrows are drawn along sliding motors only, and this robot has others",
             )
-        # Before anything is drawn: what cannot be shown leaves the scene as it was.
+        # Checked before anything is drawn, so an error leaves the scene unchanged.
         pose = self._checked_pose("positions", positions)
         ghost = None if desired is None else self._checked_pose("desired", desired)[None]
         self._perform(
@@ -206,7 +207,7 @@ class Scene:
         return self
 
     def _checked_pose(self, name: str, positions: ArrayLike) -> Array:
-        """Return a pose that the robot can take."""
+        """Return a pose after checking that the robot can take it."""
         pose = one_row(name, positions, len(self.robot.reference))
         self.robot.configuration(pose)
         return pose
@@ -218,20 +219,20 @@ class Scene:
     ) -> Self:
         """Show simulated or desired motion in real time.
 
-        Of a result are shown: the robot, the desired pose as a translucent ghost, the paths of the
-        tip and of the desired tip, the screw forces as arrows, and in numbers how far the tip is
-        from where it should be. Of a trajectory: the robot that
-        follows it exactly, and the path of the tip. Of a robot whose motors do not command all
-        coordinates no desired pose is shown, and on a trajectory the others stay where they are.
+        For a result, the scene shows the robot, the desired pose as a translucent ghost, the paths
+        of the tip and of the desired tip, the screw forces as arrows, and the tip's distance from
+        its desired position as a number. For a trajectory it shows a robot that follows it exactly,
+        and the path of the tip. If the motors do not command all coordinates, no desired pose is
+        shown, and on a trajectory the other coordinates stay constant.
 
         Parameters
         ----------
         motions : Result, Trajectory, or mapping of str to these
-            A result of :func:`psp3.simulate`, a trajectory, or several by name: their robots stand
+            A result of :func:`psp3.simulate`, a trajectory, or several by name: their robots are
             side by side, each under its name.
         duration : float, optional
-            How long trajectories are followed [s]; by default until they rest. Results have the
-            time of their simulation.
+            Time to follow trajectories [s]; by default until they rest. Results have the time of
+            their simulation.
 
         Returns
         -------
@@ -241,8 +242,8 @@ class Scene:
         Raises
         ------
         InvalidValue
-            If there is no motion, a result without a sample, or a trajectory that never rests
-            without a duration.
+            If there is no motion, if a result has no samples, or if a trajectory never rests and no
+            duration is given.
         """
         if duration is not None:
             checked_positive("duration", duration)
@@ -266,7 +267,7 @@ class Scene:
             for name, motion in named.items()
         }
         if not _is_driven_by_slides(self.robot):
-            # A torque has no arrow.
+            # Torques are not drawn as arrows.
             frames = {name: one._replace(force=None) for name, one in frames.items()}
         self._perform(frames)
         return self
@@ -286,8 +287,7 @@ class Scene:
         write_text(self.html(), path)
 
     def _repr_html_(self) -> Markup:
-        # Compressed, a scene takes a third of the room in the notebook's file; the frame unpacks it
-        # into itself.
+        # Compression reduces a scene in the notebook's file to a third; the frame decompresses it.
         packed = base64.b64encode(gzip.compress(self.html().encode(), mtime=0)).decode()
         unpack = Markup(
             f'const packed = Uint8Array.from(atob("{packed}"), (letter) => letter.charCodeAt(0));'
@@ -319,7 +319,7 @@ class Scene:
     def _set_up(self, frames: Mapping[str, Frames], newtons: float) -> None:
         """Set up one robot for each name, side by side, and the camera before them.
 
-        Nothing if they stand there already.
+        Nothing is done if they are already there.
         """
         in_motion = any(len(one.time) > 1 for one in frames.values())
         shown = tuple((name, *(part is not None for part in one)) for name, one in frames.items())
@@ -372,7 +372,7 @@ class Scene:
         )
 
     def _extremes(self, frames: Frames) -> Array:
-        """Return the configurations at which nuts are highest or lowest, actual or desired."""
+        """Return the configurations with the highest and lowest nuts, actual or desired."""
         positions = (
             frames.positions
             if frames.desired_positions is None
@@ -391,9 +391,9 @@ class Scene:
 
 
 def _of_all_coordinates(robot: Robot, frames: Frames) -> Frames:
-    """Return frames with positions of all coordinates, where a motion is of the commanded ones.
+    """Return frames with positions of all coordinates from those of the commanded ones.
 
-    Nothing is desired of those that follow, and thus no pose and no place of the tip.
+    Passive coordinates have no desired motion, so there is no desired pose or tip.
     """
     if robot.commanded == len(robot.coordinates_v):
         return frames
@@ -407,14 +407,14 @@ def _of_all_coordinates(robot: Robot, frames: Frames) -> Frames:
 
 
 def _without_missing_tip(frames: Frames) -> Frames:
-    """Return frames with no tip, where its place is no number: the robot has none."""
+    """Return frames without a tip if its position is NaN, because the robot has none."""
     if frames.tip is None or np.isfinite(frames.tip).all():
         return frames
     return frames._replace(tip=None, desired_tip=None)
 
 
 def _legend(frames: Mapping[str, Frames], newtons: float) -> list[dict[str, str]]:
-    """Return what is to be explained.
+    """Return the entries of the legend.
 
     Each entry has its own mark, so that none is distinguished by color alone.
     """
@@ -434,7 +434,7 @@ def _legend(frames: Mapping[str, Frames], newtons: float) -> list[dict[str, str]
 def _hull(points: Array) -> Array:
     """Return the corners of the convex hull.
 
-    What has them in view has all of the points in view.
+    A view that contains these corners contains all points.
     """
     from scipy.spatial import ConvexHull
 
@@ -443,9 +443,9 @@ def _hull(points: Array) -> Array:
 
 
 def _is_driven_by_slides(robot: Robot) -> bool:
-    """Whether all motors of a robot push along a line, which an arrow can show."""
+    """Return whether all motors of a robot push along a line, which an arrow can show."""
     turns = rotating(robot.model)[robot.actuated_v]
-    # A motor on a tendon is no joint.
+    # A motor on a tendon is not at a joint.
     return len(turns) == len(robot.actuated) and not turns.any()
 
 

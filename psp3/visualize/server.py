@@ -1,11 +1,11 @@
-"""The server of a scene: one page and its commands, for browsers on this machine alone.
+"""The server of a scene: one page and its commands, for browsers on this machine only.
 
 MeshCat's own server is not used because it listens on all network interfaces.
 
-Pages of others run in the same browsers, and can send requests to this machine. What they could do
-is refused: reading the scene under a name of theirs that leads here (DNS rebinding shows in
-``Host``), asking for it from elsewhere (``Origin``, ``Sec-Fetch-Site``), and taking every
-connection or keeping one busy for ever.
+Foreign pages run in the same browsers, and can send requests to this machine. Three attacks are
+blocked: reading the scene under a foreign name that resolves to this machine (DNS rebinding, which
+shows in ``Host``), requests from other sites (``Origin``, ``Sec-Fetch-Site``), and using up all
+connections or keeping one busy forever.
 """
 
 from __future__ import annotations
@@ -26,23 +26,23 @@ from psp3.visualize.scene import page
 ADDRESS = "127.0.0.1"
 
 HOSTS = frozenset({ADDRESS, "localhost"})
-"""Names of this machine. Any port is right, for a tunnel may begin at another one."""
+"""Names of this machine. Any port is accepted, because a tunnel may begin at another one."""
 
 CONNECTIONS = 32
-"""Most that are open at a time; a browser takes one for each page, and six at most."""
+"""Greatest number of open connections; a browser takes one for each page, and at most six."""
 
 PATIENCE = 10.0
-"""How long a request may take to arrive, and a piece of the answer to leave [s]."""
+"""Time limit for a request to arrive, and for a piece of the answer to be sent [s]."""
 
 GRACE = 1.0
-"""How long browsers have to take the last of the scene when the server closes [s]."""
+"""Time for browsers to receive the rest of the scene when the server closes [s]."""
 
 BEAT = 10.0
-"""Time between two signs of life, by which a browser that has left is noticed [s]."""
+"""Time between keep-alive messages, which detect a browser that has left [s]."""
 
 
 class SceneServer(ThreadingHTTPServer):
-    """Serves the page and its commands.
+    """A server of the page and its commands.
 
     The commands are server-sent events, on one long connection to each browser.
 
@@ -89,12 +89,12 @@ class SceneServer(ThreadingHTTPServer):
         super().shutdown_request(request)
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Say nothing of a browser that has left, or is too slow."""
+        """Print no error for a browser that has left, or is too slow."""
         if not isinstance(sys.exc_info()[1], OSError):
             super().handle_error(request, client_address)
 
     def server_close(self) -> None:
-        """Let browsers take what is sent already, and close all connections."""
+        """Let browsers receive the data already sent, and close all connections."""
         super().server_close()
         with self._lock:
             threads = list(self._open.values())
@@ -103,7 +103,7 @@ class SceneServer(ThreadingHTTPServer):
             thread.join(max(0.0, end - time.monotonic()))
         with self._lock:
             for request in self._open:
-                with suppress(OSError):  # it is gone already
+                with suppress(OSError):  # the connection is already closed
                     request.shutdown(socket.SHUT_RDWR)
         for thread in threads:
             thread.join()
@@ -113,7 +113,7 @@ class _Handler(BaseHTTPRequestHandler):
     server: SceneServer
 
     def setup(self) -> None:
-        """Read the whole request by one deadline; a timeout alone is for each byte of it."""
+        """Read the whole request by one deadline, because a timeout applies to each byte."""
         super().setup()
         self.rfile.close()
         self.rfile = io.BufferedReader(_InTime(self.connection, time.monotonic() + PATIENCE))
@@ -132,13 +132,14 @@ class _Handler(BaseHTTPRequestHandler):
             self.send_error(404)
 
     def _is_for_this_machine(self) -> bool:
-        """Tell whether the page that asks, if one does, is ours, under a name of this machine."""
+        """Return whether a request is from our page, or no page, under a name of this machine."""
         hosts, origins = (self.headers.get_all(name, []) for name in ("Host", "Origin"))
         if len(hosts) != 1 or hosts[0].partition(":")[0].lower() not in HOSTS:
             return False
         if any(origin != f"http://{hosts[0]}" for origin in origins):
             return False
-        # A link to the page may stand anywhere; what it asks for comes from itself.
+        # A link to the page may be anywhere, but requests for its data must come from the page
+        # itself.
         sites = {"same-origin", "none"} | (
             {"cross-site", "same-site"} if self.path == "/" else set()
         )
@@ -169,20 +170,20 @@ class _Handler(BaseHTTPRequestHandler):
             self.server.commands.unsubscribe(commands)
 
     def log_message(self, format: str, *args: Any) -> None:
-        """Print nothing: the library never does."""
+        """Print nothing, because a library must not."""
 
 
 class _InTime(io.RawIOBase):
-    """What a connection brings until a deadline."""
+    """The input of a connection until a deadline."""
 
     def __init__(self, connection: socket.socket, deadline: float) -> None:
         self._connection, self._deadline = connection, deadline
 
     def readable(self) -> bool:
-        """Return that it can be read."""
+        """Return True: the stream can be read."""
         return True
 
     def readinto(self, buffer: Any) -> int:
-        """Read what there is, or raise TimeoutError at the deadline."""
+        """Read available data, or raise TimeoutError at the deadline."""
         self._connection.settimeout(max(self._deadline - time.monotonic(), 1e-3))
         return self._connection.recv_into(buffer)

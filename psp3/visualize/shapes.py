@@ -1,6 +1,6 @@
-"""What things in the 3D view are made of: finishes, and shapes that MeshCat does not have.
+"""Finishes for the 3D view, and shapes that MeshCat does not have.
 
-Everything that draws takes MeshCat from here.
+All modules that draw import MeshCat from here.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ __all__ = [
 _ALONG_Z = np.array(
     [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
 )
-"""Turns the axis of a three.js cylinder, y, into z."""
+"""Rotation that takes the axis of a three.js cylinder, y, to z."""
 
 
 class _Finish(geometry.Material):  # type: ignore[misc]
     """A material of three.js by its properties.
 
-    MeshCat's own repeat every default, which makes large files of many small shapes.
+    MeshCat's own materials repeat every default, which makes files of many small shapes large.
     """
 
     kind: str
@@ -51,7 +51,7 @@ class _Finish(geometry.Material):  # type: ignore[misc]
         self.properties = properties
 
     def lower(self, object_data: Any) -> dict[str, Any]:
-        """Return what three.js reads."""
+        """Return the data in three.js's format."""
         return {"uuid": self.uuid, "type": self.kind, **self.properties}
 
 
@@ -68,7 +68,7 @@ class Satin(_Finish):
 
 
 class Flat(_Finish):
-    """A color that no light changes, given as ``#rrggbb``."""
+    """A color that does not depend on light, given as ``#rrggbb``."""
 
     kind = "MeshBasicMaterial"
 
@@ -77,7 +77,7 @@ class Flat(_Finish):
 
 
 class Glass(_Finish):
-    """A translucent color, given as ``#rrggbb``, that light shades."""
+    """A translucent color, given as ``#rrggbb``, with shading."""
 
     kind = "MeshLambertMaterial"
 
@@ -93,7 +93,7 @@ class Tube(geometry.Geometry):  # type: ignore[misc]
         self.path, self.radius = path, radius
 
     def lower(self, object_data: Any) -> dict[str, Any]:
-        """Return what three.js reads."""
+        """Return the data in three.js's format."""
         segments = len(self.path)
         curve = {
             "type": "CatmullRomCurve3",

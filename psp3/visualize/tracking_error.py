@@ -1,4 +1,4 @@
-"""How far a robot is from where it should be, for the label above it."""
+"""The distance of a robot from its desired position, for the label above it."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from psp3.robots.robot import Robot
 from psp3.visualize.animation import Frames
 
 MOST_DIGITS = 6
-"""Behind the point: a nanometer."""
+"""Greatest number of decimals, for a nanometer."""
 
 
 class TrackingError(NamedTuple):
-    """An error at the frames of an animation: what it is of, and ``millimeters`` (n,)."""
+    """An error at the frames of an animation: its description, and ``millimeters`` (n,)."""
 
     about: str
     millimeters: Array
 
     def as_command(self, seconds: float) -> dict[str, Any]:
-        """Return what the page needs to follow it through an animation of so many seconds."""
+        """Return the command that shows the error during an animation of a given time."""
         return {
             "about": self.about,
             "seconds": seconds,
@@ -32,22 +32,22 @@ class TrackingError(NamedTuple):
 
 
 def tracking_error(robot: Robot, frames: Frames) -> TrackingError | None:
-    """Return how far the tip is from the desired tip at each frame.
+    """Return the distance of the tip from the desired tip at each frame.
 
-    Of a robot without a tip, how far the joint is that is farthest from its place in the desired
-    pose.
+    For a robot without a tip it is the greatest distance of a joint from its position in the
+    desired pose.
 
     Parameters
     ----------
     robot : Robot
-        Whose frames they are.
+        Robot of the frames.
     frames : Frames
-        What is seen.
+        Frames of the animation.
 
     Returns
     -------
     TrackingError or None
-        None where nothing is desired, or nothing moves.
+        None if there is no desired motion, or no motion at all.
     """
     if frames.desired_positions is None or len(frames.time) == 1:
         return None
@@ -75,7 +75,7 @@ def _joints(robot: Robot, positions: Array) -> Array:
 
 
 def _digits(largest: float) -> int:
-    """Return the digits behind the point with which the largest number has three in all."""
+    """Return the number of decimals that gives the largest number three digits."""
     if largest <= 0.0:
         return 1
     return int(np.clip(2 - np.floor(np.log10(largest)), 0, MOST_DIGITS))

@@ -1,4 +1,4 @@
-"""A live scene in the browser, served to this machine only."""
+"""A live scene in the browser, served only to this machine."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ LAST_PORT = 65535
 
 
 class Viewer(Scene):
-    """A scene in the browser that follows what is done to it, served to this machine only.
+    """A scene in the browser that shows changes at once, served only to this machine.
 
     Use it as a context manager, or call :meth:`close`.
 
@@ -23,12 +23,12 @@ class Viewer(Scene):
     robot : robot from :func:`psp3.load`
         What to show.
     port : int
-        Port to listen on, up to 65535; if it is taken, the next one that is free.
+        Port to listen on, up to 65535; if it is taken, the next free one.
 
     Attributes
     ----------
     url : str
-        What to open in the browser.
+        Address to open in the browser.
 
     Raises
     ------

@@ -1,1 +1,1 @@
-"""How the robots of this folder are made: solids, two kinds of files, one module a robot."""
+"""Generators of the robots in this folder: solids, two file formats, one module per robot."""

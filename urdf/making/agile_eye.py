@@ -1,4 +1,4 @@
-"""The Agile Eye, a spherical parallel wrist whose neighboring axes are all at right angles."""
+"""The Agile Eye, a spherical parallel wrist with neighboring axes at right angles."""
 
 from __future__ import annotations
 
@@ -10,16 +10,17 @@ from .solids import Array, Solid, Z, at, ball, box, rod, turn_to
 from .urdf import Robot
 
 MOTOR, OUTER, INNER, PLATE = 0.13, 0.105, 0.085, 0.070
-"""Distances from the center of motors, of the two joints of a leg, and of the platform's pins."""
+"""Distances from the center: motors, the two joints of a leg, and the platform's pins."""
 
 DIGITS = 6
-"""As many as a drawing program writes: what closes exactly no longer does, by micrometers."""
+"""Number of digits, as from a CAD program: with rounded numbers the loops miss closure by
+micrometers."""
 
 
 def axes() -> Array:
-    """Return the three axes of the motors, one a row: at right angles, and as steep as each other.
+    """Return the axes of the three motors as rows: at right angles, and equally steep.
 
-    Axis 1 points to the azimuth of x.
+    The azimuth of axis 1 is that of x.
     """
     azimuths = 2.0 * np.pi / 3.0 * np.arange(3)
     level = np.sqrt(2.0 / 3.0) * np.array([np.cos(azimuths), np.sin(azimuths)])
@@ -27,7 +28,7 @@ def axes() -> Array:
 
 
 def arc(first: Array, last: Array, radii: tuple[float, float], thick: float) -> list[Solid]:
-    """Return a quarter of a ring from one axis to another, in straight pieces."""
+    """Return a quarter ring from one axis to another, made of straight pieces."""
     angles = np.linspace(0.0, 0.5 * np.pi, 7)
     ring = np.cos(angles)[:, None] * first + np.sin(angles)[:, None] * last
     ring *= np.linspace(*radii, len(angles))[:, None]
@@ -55,7 +56,7 @@ def agile_eye() -> Robot:
     def link(
         name: str, joint: str, parent: str, along: Array, distance: float, solids: list[Solid]
     ) -> None:
-        """Add a link whose hinge is on an axis through the center, all solids about the center."""
+        """Add a link with a hinge on an axis through the center, where its solids are given."""
         world = at(distance * along, turn_to(along))
         inside = [solid._replace(placement=world.inverse() * solid.placement) for solid in solids]
         motor = (5.0, 30.0) if parent == "base" else None

@@ -10,22 +10,22 @@ from .mjcf import Assembly, Joint, More
 from .solids import Array, Solid, Z, ball, box, rod
 
 PELVIS_HEIGHT = 1.0
-"""Of the floating base at home [m]."""
+"""Height of the floating base in the home pose [m]."""
 
 HIP_ROLL, HIP_YAW, HIP_PITCH = (0.021, 0.135, 0.0), (-0.049, 0.135, 0.0), (-0.049, 0.135, -0.09)
-"""Places of the left leg's motors in the pelvis [m]."""
+"""Positions of the left leg's motors in the pelvis [m]."""
 
 THIGH, KNEE, SHIN = (0.12, 0.0), (0.0607, 0.0474), (0.4348, 0.02)
-"""Hip to knee, knee to the shin's spring, and from there to the tarsus: down and forward along each
-body where its angle is zero [m].
+"""From hip to knee, from knee to the shin's spring, and from there to the tarsus: components down
+and forward at angle zero of each body [m].
 """
 
 HEEL, CRANK_PIN, ANKLE = (-0.0127, -0.0306), (0.058, -0.034), (0.408, -0.04)
-"""On the tarsus: pins of the heel spring, of the toe's crank, and of the foot."""
+"""Positions on the tarsus: pins of the heel spring, of the toe's crank, and of the foot."""
 
 HEEL_SPRING, TOE_CRANK, TOE_HORN = (-0.1054, 0.0568), (0.055, 0.0), (0.0551, 0.006)
 """From the heel's pin to the Achilles rod, from the crank's pin to the plantar rod, and from the
-ankle to its other end, in axes of the tarsus where all angles are zero.
+ankle to the other end of that rod, in axes of the tarsus with all angles zero.
 """
 
 ACHILLES, PLANTAR = 0.5012, 0.3501
@@ -35,10 +35,10 @@ ACHILLES_HIP, ACHILLES_HEEL = 0.045, 0.009
 """Distances of the Achilles rod's ends from the plane of the leg, toward the middle [m]."""
 
 SHIN_STIFFNESS, HEEL_STIFFNESS = 1500.0, 1250.0
-"""Of the leaf springs [N m/rad]."""
+"""Stiffness of the leaf springs [N m/rad]."""
 
 PITCH, KNEE_ANGLE, FOOT_ANGLE = 0.5, -1.2, -1.6
-"""Angles at home of hip, knee and foot [rad]; the tarsus follows by the Achilles rod."""
+"""Angles of hip, knee and foot in the home pose [rad]; the Achilles rod determines the tarsus."""
 
 MOTORS = {
     "hip_roll": ((-0.26, 0.39), 112.5, 0.0381),
@@ -47,7 +47,8 @@ MOTORS = {
     "knee": ((-1.66, 0.55), 195.2, 0.0934),
     "toe": ((-0.9, 0.9), 45.0, 0.0123),
 }
-"""Range from home [rad], largest torque [N m] and inertia of the rotor at the joint [kg m²]."""
+"""Range from the home pose [rad], largest torque [N m] and inertia of the rotor at the joint [kg
+m²]."""
 
 
 class Pins(NamedTuple):
@@ -68,13 +69,13 @@ class Pins(NamedTuple):
 
 
 def turned(angle: float, vector: tuple[float, float]) -> Array:
-    """Return a vector of the plane turned from down to forward."""
+    """Return a vector of the plane, rotated from down to forward."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([c * vector[0] - s * vector[1], s * vector[0] + c * vector[1]])
 
 
 def tarsus_angle() -> float:
-    """Return the angle of the tarsus at which the Achilles rod has its length, springs at rest."""
+    """Return the tarsus angle for the Achilles rod's length, with springs at rest."""
     across = ACHILLES_HIP - ACHILLES_HEEL
     level = np.sqrt(ACHILLES**2 - across**2)
     pivot = np.add(THIGH, turned(KNEE_ANGLE, tuple(np.add(KNEE, SHIN))))
@@ -88,7 +89,7 @@ def tarsus_angle() -> float:
 
 
 def pins() -> Pins:
-    """Return where everything is at home."""
+    """Return the positions of all pins in the home pose."""
     knee_at, tarsus_at = PITCH + KNEE_ANGLE, PITCH + KNEE_ANGLE + tarsus_angle()
     hip = np.zeros(2)
     knee = hip + turned(PITCH, THIGH)
@@ -100,7 +101,7 @@ def pins() -> Pins:
     ankle = tarsus + turned(tarsus_at, ANKLE)
     foot_at = tarsus_at + FOOT_ANGLE
     horn = ankle + turned(foot_at, TOE_HORN)
-    # The crank's end is as far from the horn as the plantar rod is long.
+    # The plantar rod's length is the distance of the crank's end from the horn.
     across = horn - crank
     distance, arm = np.linalg.norm(across), np.hypot(*TOE_CRANK)
     between = np.arccos((distance**2 + arm**2 - PLANTAR**2) / (2.0 * distance * arm))
@@ -110,7 +111,7 @@ def pins() -> Pins:
 
 
 def biped() -> Assembly:
-    """Return a pelvis with two legs, all motors but the toes' at hip and knee."""
+    """Return a pelvis with two legs; all motors except those of the toes are at hip and knee."""
     robot = Assembly("biped", "Biped on a floating base with rod-driven legs and springs.")
     up = PELVIS_HEIGHT * Z
     near, far = np.array([-0.02, 0.10, 0.0]), np.array([-0.02, 0.17, 0.0])
@@ -131,7 +132,7 @@ def _leg(robot: Assembly, name: str, side: float) -> None:
     hip = PELVIS_HEIGHT * Z + np.array([HIP_PITCH[0], side * HIP_PITCH[1], HIP_PITCH[2]])
 
     def place(point: Array, inward: float = 0.0) -> Array:
-        """Return a point of the leg's plane, or beside it, in the world."""
+        """Return the world position of a point in the leg's plane, or beside it."""
         return np.asarray(hip + np.array([point[1], -side * inward, -point[0]]))
 
     def bar(first: Array, last: Array, radius: float, material: str = "carbon") -> Solid:

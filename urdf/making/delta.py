@@ -9,11 +9,11 @@ from .urdf import Robot
 
 
 def delta() -> Robot:
-    """Return three arms, each with two parallel rods to a platform that cannot turn."""
+    """Return three arms, each with two parallel rods to a platform that cannot rotate."""
     base, arm, rod_length, platform, spacing = 0.12, 0.2, 0.4, 0.05, 0.09
     robot = Robot("delta", "Delta robot: three driven arms, six rods.")
     azimuths = {leg: 2.0 * np.pi / 3.0 * (leg - 1) for leg in (1, 2, 3)}
-    # The beams pass above the arms, as far up as these swing.
+    # The beams are above the arms, clear of their whole swing.
     stand = beams(0.46, 0.3, azimuths.values(), 0.04) + columns(
         0.46, 0.3, -0.62, azimuths.values(), 0.04
     )
@@ -75,9 +75,8 @@ def delta() -> Robot:
         rod(-0.05 * Z, -0.012 * Z, 0.012, "accent"),
         *(rod(ends[leg, 1], ends[leg, 2], 0.007, "steel") for leg in azimuths),
     ]
-    # A ball joint at the lower end of the first rod of leg 1 carries the platform. It undoes swing
-    # and pitch of the rod, so that its middle angle is always 0, far from where its axes fall
-    # together.
+    # A ball joint at the lower end of the first rod of leg 1 carries the platform. It cancels the
+    # swing and pitch of the rod, so its middle angle is always 0, far from its singularity.
     lower = at(-rod_length * Z)
     robot.body(
         "platform_cross1",

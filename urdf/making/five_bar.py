@@ -9,9 +9,9 @@ from .urdf import Robot
 
 
 def five_bar() -> Robot:
-    """Return two motors side by side, two cranks, two rods that meet in a point.
+    """Return two motors side by side, two cranks, and two rods that meet in a point.
 
-    In a vertical plane, seen from the side of y.
+    All are in a vertical plane, seen from the y direction.
     """
     spacing, crank, coupler, swing = 0.2, 0.2, 0.28, 0.6
     robot = Robot("five_bar", "Planar five-bar linkage in the plane y = 0.")
@@ -25,13 +25,13 @@ def five_bar() -> Robot:
     robot.base(
         [box((0.40, 0.03, 0.10), [0.0, -0.05, 0.0], "aluminum"), *posts, foot, *motors, *bearings]
     )
-    # At home the robot is symmetric, its point below the middle: each rod leans toward it by this
+    # The home pose is symmetric, with the point below the middle: each rod leans toward it by this
     # angle.
     lean = np.arcsin((0.5 * spacing + crank * np.sin(swing)) / coupler)
     elbow = -crank * Z
     end = -coupler * Z
     for leg, side in ((1, -1.0), (2, 1.0)):
-        # The rods pass in front of the cranks, in layers of their own.
+        # The rods are in front of the cranks, in separate layers.
         depth = (0.018 if leg == 1 else 0.028) * Y
         upper = [
             box((0.026, 0.008, crank), 0.5 * elbow, "aluminum"),

@@ -12,7 +12,7 @@ from .urdf import Robot
 def gough_stewart() -> Robot:
     """Return six legs of adjustable length between a base and a platform.
 
-    Each is on a universal joint below and a ball above.
+    Each has a universal joint below and a ball above.
     """
     base, platform, height = 0.5, 0.3, 0.7
     robot = Robot("gough_stewart", "Gough-Stewart platform: six legs of adjustable length (6-UPS).")
@@ -48,7 +48,7 @@ def gough_stewart() -> Robot:
                 rod(0.1 * Z, 0.16 * Z, 0.02, "accent"),
                 *(rod(point, point + 0.02 * Z, 0.03, "aluminum") for point in corners),
             ]
-            # The ball's axes are the base's at home.
+            # In the home pose the ball's axes are those of the base.
             level = at(rotation=turn_to(corner + lift - foot).T)
             robot.body(
                 "platform_cross1",

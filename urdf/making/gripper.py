@@ -11,19 +11,19 @@ DRIVER, SPRING = (0.0306, 0.0549), (0.0132, 0.0609)
 """Pins of a finger's two arms on the palm, (y, z) [m]."""
 
 DRIVER_ARM, SPRING_ARM = (0.0315, -0.0041), (0.0370, 0.0440)
-"""From these pins to the next ones, open."""
+"""From these pins to the next ones, with open fingers."""
 
 TIP = (0.0180, -0.0065)
-"""On the fingertip, from the spring arm's pin to that of the coupler, open."""
+"""On the fingertip, from the spring arm's pin to that of the coupler, with open fingers."""
 
 PAD = 0.0427
 """Distance of an open pad from the middle: 85 mm between the two."""
 
 HALF = 0.4
-"""Angle of the drivers at home, of 0.8 where the pads touch [rad]."""
+"""Angle of the drivers in the home pose; the pads touch at 0.8 [rad]."""
 
 TIP_HEIGHT = 0.13
-"""Of the point between the pads, as the frame ``tip`` has it [m]."""
+"""Position of the point between the pads, the frame ``tip`` [m]."""
 
 STIFFNESS, REST = 0.05, 2.62
 """Spring of each finger [N m/rad, rad]."""
@@ -55,13 +55,13 @@ def gripper() -> Assembly:
 
 
 def half_closed() -> dict[str, float]:
-    """Return the angles of a finger whose driver is half way and whose pad has not turned."""
+    """Return the angles of a finger with its driver half way and its pad not rotated."""
     open_end = np.add(np.add(SPRING, SPRING_ARM), TIP)
     coupler = open_end - np.add(DRIVER, DRIVER_ARM)
     c, s = np.cos(HALF), np.sin(HALF)
     arm = np.array([c * DRIVER_ARM[0] - s * DRIVER_ARM[1], s * DRIVER_ARM[0] + c * DRIVER_ARM[1]])
     knee = np.add(DRIVER, arm)
-    # The fingertip only shifts, so that its two pins are as one.
+    # The fingertip only translates, so its two pins move as one.
     knuckle = meet(np.array(SPRING), np.hypot(*SPRING_ARM), knee - TIP, np.hypot(*coupler), 1.0)
     turned, before = knuckle - SPRING, np.arctan2(SPRING_ARM[1], SPRING_ARM[0])
     spring = np.arctan2(turned[1], turned[0]) - before
@@ -76,7 +76,7 @@ def half_closed() -> dict[str, float]:
 
 
 def _finger(robot: Assembly, name: str, side: float) -> None:
-    """Add four bodies; a positive driver's angle closes."""
+    """Add the four bodies of a finger; a positive angle of the driver closes it."""
 
     def place(y: float, z: float, x: float = 0.0) -> Array:
         return np.array([x, side * y, z])
@@ -89,7 +89,7 @@ def _finger(robot: Assembly, name: str, side: float) -> None:
         "end": place(*np.add(np.add(SPRING, SPRING_ARM), TIP)),
     }
     axis = (side, 0.0, 0.0)
-    # Bars lie in layers: arms outside, coupler and fingertip between them.
+    # The bars are in layers: arms outside, coupler and fingertip between them.
     across = np.array([0.004, 0.0, 0.0])
 
     def bar(first: str, last: str, layer: float, thick: float) -> list[Solid]:

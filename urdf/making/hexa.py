@@ -1,4 +1,4 @@
-"""Stewart platform driven by cranks, whose rods have balls at both ends and spin (6-RSS)."""
+"""Stewart platform driven by cranks; its rods have balls at both ends and can spin (6-RSS)."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ NEAR_BASE, NEAR_PLATFORM = np.radians(18.0), np.radians(12.0)
 
 
 def hexa() -> Assembly:
-    """Return six cranks that turn in planes along the rim, level at home, and six rods."""
+    """Return six cranks, which turn in planes along the rim and are level at home, and rods."""
     robot = Assembly(
         "hexa", "Stewart platform with six cranks and ball-ended rods that spin (6-RSS)."
     )
@@ -29,7 +29,7 @@ def hexa() -> Assembly:
             along.append(side * around(thirds * pair + 0.5 * np.pi, 1.0))
             corners.append(around(thirds * (pair + 0.5 * side) - side * NEAR_PLATFORM, PLATFORM))
     ends = [foot + CRANK * way for foot, way in zip(feet, along, strict=True)]
-    # All rods are as steep as each other at home.
+    # In the home pose all rods are equally steep.
     level = float(np.linalg.norm(corners[0] - ends[0]))
     lift = np.sqrt(ROD**2 - level**2) * Z
     floor = [

@@ -32,10 +32,10 @@ TUBE, BORE = 0.0095, 0.0078
 
 
 def points(angle: float) -> dict[str, Array]:
-    """Return the pins by name, (x, z) [m], the crank's shaft at the origin.
+    """Return the pins by name, (x, z) [m], with the crank's shaft at the origin.
 
-    O shaft, B fixed pin, P crank's end, X and Y on the upper triangle, Z and W on the lower one,
-    F foot.
+    O is the shaft, B the fixed pin, P the crank's end, X and Y are on the upper triangle, Z and W
+    on the lower one, and F is the foot.
     """
     a, b, c, d, e, f, g, h, i, j, k, ll, m = (value / 100.0 for value in LENGTHS.values())
     at_pin: dict[str, Array] = {"O": np.zeros(2), "B": np.array([-a, -ll])}
@@ -52,7 +52,7 @@ def jansen() -> Robot:
     """Return a crank, three rods, a rocker and two triangles, in a vertical plane."""
     robot = Robot("jansen", "Jansen's leg in the plane y = 0.")
     pins = {name: np.array([point[0], 0.0, point[1]]) for name, point in points(HOME).items()}
-    # Every bar has a layer of its own.
+    # Every bar is in a separate layer.
     layers = {"j": 1.0, "k": 2.0, "f": 2.0, "c": 1.0}
 
     def bar(first: str, second: str, about: str, layer: float = 0.0) -> list[Solid]:
@@ -82,7 +82,7 @@ def jansen() -> Robot:
         rod([crank, -0.01, 0.0], [crank, 0.07, 0.0], 0.008, "steel"),
     ]
     robot.body("crank", disk, "crank_joint", "base", level, "-y", (-20.0, 20.0), HOME, (20.0, 20.0))
-    # The crank's x axis points to its end; what it carries has the axes of the base at home.
+    # The crank's x axis points to its end; the bodies that it carries have the base's axes at home.
     at_end = at(crank * X, np.asarray(rotation_about_y(HOME)))
     limits = (-2.0 * np.pi, 2.0 * np.pi)
 
@@ -112,6 +112,6 @@ def jansen() -> Robot:
 
 
 def rotation_about_y(angle: float) -> Array:
-    """Return the rotation about y, which undoes that of a crank about −y."""
+    """Return the rotation about y that cancels the rotation of a crank about −y."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])

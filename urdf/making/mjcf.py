@@ -1,8 +1,8 @@
-"""A robot on its way to an MJCF file: what a URDF and a loop file cannot say.
+"""Writer of robots as MJCF files, for features that a URDF and a loop file lack.
 
-Floating bases, balls, springs, couplings and tendons. Everything is given where it is while every
-joint is at zero, in axes of the world, which are those of every body then. That is the pose home,
-unless another one is given.
+These are floating bases, balls, springs, couplings and tendons. Everything is given in the pose
+with all joints at zero, in world axes, which are then the axes of every body. This is the pose
+home, unless another one is given.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Joint(NamedTuple):
 
 
 class Assembly:
-    """A robot as it stands with all joints at zero: loops, couplings, tendons and motors."""
+    """A robot in the pose with all joints at zero: loops, couplings, tendons and motors."""
 
     def __init__(self, name: str, title: str) -> None:
         self.name, self.title = name, title
@@ -50,20 +50,20 @@ class Assembly:
         self._materials: set[str] = set()
 
     def base(self, solids: Sequence[Solid]) -> None:
-        """Add what does not move: it is drawn, and has no mass."""
+        """Add the fixed base: it is drawn, and has no mass."""
         self._bodies["world"] += self._geoms(solids, np.zeros(3))
 
     def body(
         self, name: str, parent: str, place: ArrayLike, joint: Joint, solids: Sequence[Solid]
     ) -> None:
-        """Add a body with its joint at a place of the world; its solids are given about the world.
+        """Add a body with its joint at a world position; its solids are given in world axes.
 
-        Masses and moments are those of the solids, in numbers; geoms are only drawn.
+        Mass and moments of the solids are written as numbers; geoms are only drawn.
         """
         here = np.asarray(place, dtype=float)
         shift = pin.SE3(np.eye(3), -here)
         inertia = shift.act(sum((one.inertia() for one in solids[1:]), start=solids[0].inertia()))
-        # What rounding leaves of a zero is written as zero.
+        # A rounding error is written as zero.
         moments = np.where(
             np.abs(inertia.inertia) > 1e-12 * inertia.inertia.max(), inertia.inertia, 0.0
         )
@@ -90,13 +90,13 @@ class Assembly:
         ]
 
     def site(self, name: str, body: str, place: ArrayLike) -> None:
-        """Add a frame on a body, at a place of the world."""
+        """Add a frame on a body, at a world position."""
         self._bodies[body].append(
             f'<site name="{name}" pos="{exact(np.asarray(place) - self._places[body])}"/>'
         )
 
     def connect(self, first: str, second: str, place: ArrayLike) -> None:
-        """Let two bodies share the point that is at a place of the world."""
+        """Join two bodies at the point at a world position."""
         ends = (f"{first}_end", f"{second}_{first}")
         for body, end in zip((first, second), ends, strict=True):
             self.site(end, body, place)
@@ -105,14 +105,14 @@ class Assembly:
         )
 
     def couple(self, follows: str, leads: str, polynomial: Sequence[float]) -> None:
-        """Let a joint follow another one by a polynomial, the constant first."""
+        """Couple a joint to another one with a polynomial, the constant first."""
         self._couplings.append(
             f'<joint name="{follows}-{leads}" joint1="{follows}" joint2="{leads}" '
             f'polycoef="{exact(polynomial)}"/>'
         )
 
     def tendon(self, name: str, levers: Mapping[str, float]) -> None:
-        """Add a tendon that pulls joints by levers."""
+        """Add a tendon that pulls joints with levers."""
         self._tendons += [
             f'<fixed name="{name}">',
             *(f'  <joint joint="{joint}" coef="{value:g}"/>' for joint, value in levers.items()),
@@ -120,13 +120,13 @@ class Assembly:
         ]
 
     def motor(self, name: str, limit: float, kind: str = "joint") -> None:
-        """Let a joint, or a tendon, be driven by a force up to a limit."""
+        """Add a motor with a force limit to a joint or a tendon."""
         self._motors.append(
             f'<motor name="{name}" {kind}="{name}" ctrlrange="{-limit:g} {limit:g}"/>'
         )
 
     def home(self, angles: Mapping[str, float]) -> None:
-        """Give another pose for home than all zeros, by the angles of hinges."""
+        """Set another pose home than all zeros, by the angles of hinges."""
         self._home = dict(angles)
 
     def _geoms(self, solids: Sequence[Solid], origin: Array) -> list[str]:
@@ -162,11 +162,11 @@ class Assembly:
         return lines
 
     def _order(self, name: str) -> list[str]:
-        """Return a body and all that it carries, in the order of the file."""
+        """Return a body and all bodies that it carries, in the order of the file."""
         return [name, *(one for child in self._children[name] for one in self._order(child))]
 
     def _position(self, body: str) -> Array:
-        """Return the coordinates of a body's joint at home."""
+        """Return the coordinates of a body's joint in the pose home."""
         joint, upright = self._joints[body], np.array([1.0, 0.0, 0.0, 0.0])
         if joint.kind == "hinge":
             return np.array([self._home.get(joint.name, 0.0)])

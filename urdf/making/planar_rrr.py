@@ -34,8 +34,8 @@ def _planar(robot: Robot, azimuths: Mapping[int, float]) -> Robot:
             rod(shaft - 0.025 * Z, shaft - 0.008 * Z, 0.02, "steel"),
         ]
     robot.base(table)
-    # At home the platform is centered and not turned; the law of cosines in the triangle shaft,
-    # elbow, wrist.
+    # In the home pose the platform is centered and not rotated. The angles follow from the law of
+    # cosines in the triangle of shaft, elbow and wrist.
     reach = BASE - PLATFORM
     swing = np.arccos((reach**2 + CRANK**2 - COUPLER**2) / (2.0 * reach * CRANK))
     bend = np.pi - np.arccos((CRANK**2 + COUPLER**2 - reach**2) / (2.0 * CRANK * COUPLER))
@@ -50,7 +50,7 @@ def _planar(robot: Robot, azimuths: Mapping[int, float]) -> Robot:
             rod(0.01 * Z, 0.022 * Z, 0.012, "steel"),
             rod([COUPLER, 0.0, 0.012], [COUPLER, 0.0, 0.022], 0.012, "steel"),
         ]
-        # The crank's angle is counted from the direction to the middle.
+        # The crank's angle is measured from the direction to the middle.
         placement = at(around(azimuth, BASE), turn(azimuth + np.pi))
         robot.body(
             f"leg{leg}_crank",
@@ -80,8 +80,8 @@ def _planar(robot: Robot, azimuths: Mapping[int, float]) -> Robot:
             box((PLATFORM, 0.022, 0.008), 0.5 * corner + 0.028 * Z, "aluminum", azimuth),
             rod(corner + 0.022 * Z, corner + 0.036 * Z, 0.014, "anodized"),
         ]
-    # The platform's axes are the base's at home, where the rod of leg 1 has turned by the azimuth
-    # of its frame, the swing and the bend.
+    # In the home pose the platform's axes are the base's. The rod of leg 1 is then rotated by the
+    # azimuth of its frame, the swing and the bend.
     rod_direction = azimuths[1] + np.pi + swing - bend
     robot.body(
         "platform",

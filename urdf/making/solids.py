@@ -1,4 +1,4 @@
-"""Solids that are drawn and weigh, of the materials of all robots, and where things stand."""
+"""Solids with shape and mass, the materials of all robots, and placements."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ X, Y, Z = np.eye(3)
 
 
 class Solid(NamedTuple):
-    """A homogeneous solid: what is drawn, and what weighs.
+    """A homogeneous solid, which is drawn and has mass.
 
     ``bore`` is the radius of the hole along a cylinder [m].
     """
@@ -41,7 +41,7 @@ class Solid(NamedTuple):
     bore: float = 0.0
 
     def inertia(self) -> pin.Inertia:
-        """Return the mass, center of mass and moments, in the frame of the link."""
+        """Return the mass, center of mass and moments of inertia, in the frame of the link."""
         density = MATERIALS[self.material][1]
         if self.shape == "box":
             body = pin.Inertia.FromBox(density * float(np.prod(self.size)), *self.size)
@@ -61,7 +61,7 @@ class Solid(NamedTuple):
 def box(
     size: tuple[float, float, float], center: ArrayLike, material: str, turn: float = 0.0
 ) -> Solid:
-    """Return a box, turned about the vertical through its center."""
+    """Return a box, rotated about the vertical through its center."""
     return Solid(
         "box", size, material, pin.SE3(pin.utils.rotate("z", turn), np.asarray(center, dtype=float))
     )
@@ -84,7 +84,7 @@ def rod(start: ArrayLike, end: ArrayLike, radius: float, material: str, bore: fl
 def cross(radius: float, length: float, first: str, second: str) -> list[Solid]:
     """Return the two pins of a universal joint.
 
-    Along the axes ``x``, ``y`` or ``z`` of its two hinges.
+    They are along the axes ``x``, ``y`` or ``z`` of its two hinges.
     """
     axes = {"x": X, "y": Y, "z": Z}
     return [
@@ -94,7 +94,7 @@ def cross(radius: float, length: float, first: str, second: str) -> list[Solid]:
 
 
 def moved(solids: Iterable[Solid], by: ArrayLike) -> list[Solid]:
-    """Return solids given about another origin, which is at ``by`` in the frame of the link."""
+    """Return solids given about another origin, at ``by`` in the frame of the link."""
     shift = pin.SE3(np.eye(3), np.asarray(by, dtype=float))
     return [solid._replace(placement=shift * solid.placement) for solid in solids]
 
@@ -105,7 +105,7 @@ def around(angle: float, radius: float, height: float = 0.0) -> Array:
 
 
 def turn_to(direction: Array) -> Array:
-    """Return a rotation that takes z to a direction, with x horizontal."""
+    """Return a rotation that takes z to a direction and keeps x horizontal."""
     z = direction / np.linalg.norm(direction)
     x = np.cross(Z, z)
     x = x / np.linalg.norm(x) if np.linalg.norm(x) > 1e-12 else X
@@ -113,7 +113,7 @@ def turn_to(direction: Array) -> Array:
 
 
 def at(position: ArrayLike = (0.0, 0.0, 0.0), rotation: ArrayLike | None = None) -> pin.SE3:
-    """Return a placement; without a rotation the axes stay parallel."""
+    """Return a placement; without a rotation the axes are parallel."""
     return pin.SE3(
         np.eye(3) if rotation is None else np.asarray(rotation), np.asarray(position, dtype=float)
     )
@@ -147,7 +147,7 @@ def columns(
 
 
 def meet(first: Array, r1: float, second: Array, r2: float, side: float) -> Array:
-    """Return the point at given distances from two others, to the left (1) or right of the way."""
+    """Return the point at given distances from two others, left (1) or right of their line."""
     across = second - first
     distance = float(np.linalg.norm(across))
     along = (r1**2 - r2**2 + distance**2) / (2.0 * distance)

@@ -1,4 +1,4 @@
-"""Tricept, three UPS legs and a UP leg."""
+"""Tricept: three UPS legs and a UP leg."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ def tricept() -> Robot:
     )
     azimuths = {leg: 2.0 * np.pi / 3.0 * (leg - 1) for leg in (1, 2, 3)}
     feet = {leg: around(azimuth, base) for leg, azimuth in azimuths.items()}
-    # One column out of the tool's reach.
+    # A single column, outside of the tool's reach.
     stand = beams(0.47, 0.11, azimuths.values(), 0.08)
     stand += beams(1.3, 0.11, [azimuths[3]], 0.12) + columns(1.3, 0.11, -1.85, [azimuths[3]], 0.16)
     stand.append(rod(0.07 * Z, 0.15 * Z, 0.17, "anodized"))
     stand += [box((0.03, 0.08, 0.1), [x, 0.0, 0.03], "aluminum") for x in (-0.1, 0.1)]
-    # A fork above each leg's universal joint; its hinge lies across the leg's azimuth.
+    # A fork above each leg's universal joint, with its hinge perpendicular to the leg's azimuth.
     for azimuth, foot in zip(azimuths.values(), feet.values(), strict=True):
         sideways = around(azimuth + np.pi / 2.0, 0.055)
         stand += [

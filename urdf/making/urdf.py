@@ -1,4 +1,4 @@
-"""A robot on its way to a URDF, an SRDF and a loop file."""
+"""Writer of robots as URDF, SRDF and loop files."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ NO_MASS = (
     '      <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>',
     "    </inertial>",
 )
-"""What has no mass says so: PyBullet gives a link without words about it a kilogram."""
+"""Inertia of a massless link, written out because PyBullet gives a link without inertia a
+kilogram."""
 
 PASSIVE_SPEED = 100.0
-"""Limit of the velocity of joints without a motor [rad/s, m/s]: none, in words that a URDF
-accepts.
+"""Velocity limit of joints without a motor [rad/s, m/s], large enough to mean no limit.
 """
 
 
 def exact(values: ArrayLike) -> str:
-    """Write numbers so that they are read back bit by bit."""
+    """Write numbers with enough digits to be read back exactly."""
     return " ".join(
         repr(float(value) + 0.0) for value in np.atleast_1d(np.asarray(values, dtype=float))
     )
 
 
 def short(values: ArrayLike) -> str:
-    """Write numbers to a micrometer, for what is only drawn."""
+    """Write numbers to a micrometer, for drawn shapes only."""
     return " ".join(
         f"{value + 0.0:.6g}"
         for value in np.round(np.atleast_1d(np.asarray(values, dtype=float)), 6)
@@ -47,10 +47,11 @@ def _origin(placement: pin.SE3, write: Callable[[ArrayLike], str]) -> str:
 
 
 class Robot:
-    """A robot on its way to three files.
+    """A robot to be written to three files.
 
-    Links, joints, loops, actuated joints and the pose ``home``. Loops are closed at points, or by
-    hinges (``kind``). Places and ``home`` are written to the last digit, or to fewer ``digits``.
+    It has links, joints, loops, actuated joints and the pose ``home``. Loops are closed at points,
+    or by hinges (``kind``). Positions and ``home`` are written with all digits, or with fewer
+    ``digits``.
     """
 
     def __init__(self, name: str, title: str, kind: str = "3d", digits: int | None = None) -> None:
@@ -61,15 +62,15 @@ class Robot:
         self.actuated: list[str] = []
 
     def write(self, values: ArrayLike) -> str:
-        """Write numbers to the digits of this robot."""
+        """Write numbers with the digits of this robot."""
         if self.digits is None:
             return exact(values)
-        # What rounding leaves of a zero is written as zero.
+        # A rounding error is written as zero.
         numbers = np.atleast_1d(np.asarray(values, dtype=float))
         return " ".join(f"{0.0 if abs(v) < 1e-15 else v:.{self.digits}g}" for v in numbers)
 
     def base(self, solids: Sequence[Solid]) -> None:
-        """Add what does not move: it is drawn, and has no mass."""
+        """Add the fixed base: it is drawn, and has no mass."""
         self._link("base", None, solids)
 
     def body(
@@ -86,7 +87,8 @@ class Robot:
     ) -> None:
         """Add a link with its joint.
 
-        Revolute about ``axis``, or prismatic along it where the axis starts with ``along``.
+        The joint is revolute about ``axis``, or prismatic along it if the name starts with
+        ``along``.
 
         ``motor`` holds the limits of effort and velocity of an actuated joint.
         """
@@ -133,7 +135,7 @@ class Robot:
         ]
 
     def close(self, first: str, second: str) -> None:
-        """Let the origins of two frames coincide in the assembled robot."""
+        """Close a loop: the origins of two frames coincide in the assembled robot."""
         self.loops.append((first, second))
 
     def _link(self, name: str, inertia: pin.Inertia | None, solids: Sequence[Solid]) -> None:
@@ -145,7 +147,7 @@ class Robot:
             entries = zip(
                 ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), moments[np.triu_indices(3)], strict=True
             )
-            # What rounding leaves of a zero is written as zero.
+            # A rounding error is written as zero.
             written = " ".join(
                 f'{key}="{value if abs(value) > 1e-12 * moments.max() else 0.0:.12g}"'
                 for key, value in entries

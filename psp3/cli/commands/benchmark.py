@@ -1,4 +1,4 @@
-"""The command that compares learned computed torque of anybody."""
+"""The command that ranks anybody's learned computed torque."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ def benchmark(
         list[str] | None,
         typer.Argument(
             metavar="ENTRY",
-            help="Names of entries, files of your own (they end in .py), or all; all unless "
-            "given. Exact computed torque, ctc, always takes part.",
+            help="Names of entries, your own files (*.py), or all; default all. Exact computed "
+            "torque, ctc, always takes part.",
             show_default=False,
         ),
     ] = None,
@@ -27,7 +27,7 @@ def benchmark(
         typer.Option(
             parser=folder_path,
             metavar="DIR",
-            help="Directory to write to; made if it does not exist.",
+            help="Directory to write to; it is made if it does not exist.",
         ),
     ] = Path("benchmark"),
     robot: Annotated[
@@ -35,7 +35,7 @@ def benchmark(
         typer.Option(
             metavar="NAME",
             rich_help_panel=RUNS,
-            help="Robot: psp3, delta or gough_stewart; all three unless given.",
+            help="Robot: psp3, delta or gough_stewart; default all three.",
         ),
     ] = None,
     reading: Annotated[
@@ -43,8 +43,8 @@ def benchmark(
         typer.Option(
             metavar="NAME",
             rich_help_panel=RUNS,
-            help="What noise is on, beside runs without: outputs (unless given), variance, unit, "
-            "gravity, mass-coriolis, inputs, measurement, or all.",
+            help="Where the noise is, besides runs without noise: outputs (default), variance, "
+            "unit, gravity, mass-coriolis, inputs, measurement, or all.",
         ),
     ] = None,
     snr: Annotated[
@@ -52,13 +52,13 @@ def benchmark(
         typer.Option(
             metavar="DB",
             rich_help_panel=RUNS,
-            help="Signal-to-noise ratio (dB); 20 unless given.",
+            help="Signal-to-noise ratio (dB); default 20.",
         ),
     ] = None,
     seeds: Annotated[
         int,
         typer.Option(
-            min=1, metavar="COUNT", rich_help_panel=RUNS, help="Number of seeds, from 0 on."
+            min=1, metavar="COUNT", rich_help_panel=RUNS, help="Number of seeds, counted from 0."
         ),
     ] = 10,
     duration: Annotated[
@@ -69,24 +69,24 @@ def benchmark(
         typer.Option(
             min=1,
             metavar="COUNT",
-            help="Processes that do the runs; one for each core unless given.",
+            help="Number of processes that do the runs; default one per core.",
         ),
     ] = None,
     scheduler: Annotated[
         str | None,
         typer.Option(
             metavar="ADDRESS",
-            help="Address of a dask scheduler, tcp://HOST:PORT: its workers, of one thread each, "
-            "do the runs.",
+            help="Address of a dask scheduler, tcp://HOST:PORT: its workers, with one thread "
+            "each, do the runs.",
         ),
     ] = None,
 ) -> None:
     """Rank learned computed torque on three robots.
 
-    Entries learn M, C and G from noisy samples, and steer on the path that was recorded and on
-    another one. Writes DIR/benchmark.html and DIR/benchmark.json and prints the board. Runs that
-    DIR/benchmark.sqlite holds are not repeated, so the same command goes on where it was stopped.
-    Options of runs can be given more than once. Files of entries are run as programs.
+    Entries learn M, C and G from noisy samples, and control the robot on the recorded path and on
+    another one. Writes DIR/benchmark.html and DIR/benchmark.json and prints the ranking. Runs in
+    DIR/benchmark.sqlite are not repeated, so the same command resumes after a stop. Options of runs
+    can be given more than once. Files of entries are executed as Python code.
     """
     refuse_workers_of_scheduler(workers, scheduler)
     from psp3.benchmark.benchmark import ALL, NUMBERS, PAGE, Benchmark

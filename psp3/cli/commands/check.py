@@ -1,4 +1,4 @@
-"""The command that a newcomer runs on a file of their own."""
+"""The command that checks robot files, for newcomers with a file of their own."""
 
 from __future__ import annotations
 
@@ -27,29 +27,29 @@ def check(
             metavar="FILE...",
             help=(
                 "Robot files: .urdf, .xml (MJCF) or .sdf, or names of robots of the package. A "
-                ".yaml is the loop file of the URDF before it."
+                ".yaml file is the loop file of the URDF before it."
             ),
             show_default=False,
         ),
     ],
     actuated: Annotated[
         str | None,
-        typer.Option(metavar="NAME,NAME", help="Motors; those that the file names unless given."),
+        typer.Option(metavar="NAME,NAME", help="Motors; default those that the file names."),
     ] = None,
     free: Annotated[
         Free | None,
         typer.Option(
             metavar="NAME",
-            help="Motions that no motor commands: lock (unless given), keep or refuse.",
+            help="Motions that no motor commands: lock (default), keep or refuse.",
         ),
     ] = None,
     json: Json = False,
 ) -> None:
-    """Say what robot files hold, and what to do about problems.
+    """Report what robot files hold, and how to fix their problems.
 
-    For each file: joints, motors and loops, mobility, what is held, redundancy and mismatch of the
-    loops, inertia that no body has, and what MuJoCo makes of the same file where it is installed.
-    The status is 2 if a file cannot be loaded.
+    For each file: joints, motors and loops, mobility, held motions, redundancy and mismatch of the
+    loops, and missing inertia; also MuJoCo's view of the same file, if it is installed. The status
+    is 2 if a file cannot be loaded.
     """
     reports = [_report(one, loops, actuated, free) for one, loops in _with_loops(files)]
     if json:
@@ -62,7 +62,7 @@ def check(
 
 
 def _with_loops(files: list[str]) -> list[tuple[str, Path | None]]:
-    """Return files, each with the loop file that follows it."""
+    """Return each file with the loop file that follows it."""
     pairs: list[tuple[str, Path | None]] = []
     for name in files:
         if Path(name).suffix.lower() in (".yaml", ".yml") and pairs and pairs[-1][1] is None:
@@ -75,7 +75,7 @@ def _with_loops(files: list[str]) -> list[tuple[str, Path | None]]:
 def _report(
     name: str, loops: Path | None, actuated: str | None, free: Free | None
 ) -> dict[str, Any]:
-    """Return what there is to say about a file, ready for JSON."""
+    """Return the report on a file, ready for JSON."""
     from psp3.robots.examination import examine
 
     with _warnings_kept() as warned:
@@ -101,12 +101,13 @@ def _plain(report: dict[str, Any]) -> dict[str, Any]:
 
 @contextmanager
 def _warnings_kept() -> Iterator[list[str]]:
-    """Collect what the package would warn of, instead of printing it."""
+    """Collect the package's warnings instead of printing them."""
     kept: list[str] = []
 
     class Keeper(logging.Handler):
         def emit(self, record: logging.LogRecord) -> None:
-            # What a robot warns of is among the findings; what a reader leaves out is not.
+            # The findings already contain a robot's own warnings, but not a reader's warnings of
+            # what it left out.
             if record.name.startswith("psp3.description"):
                 kept.append(record.getMessage())
 

@@ -25,24 +25,22 @@ def dynamics(
     positions: Positions = None,
     speeds: Annotated[
         Numbers | None,
-        typer.Option(
-            parser=numbers, metavar="V1,V2,…", help="Speeds v (m/s, rad/s); 0 unless given."
-        ),
+        typer.Option(parser=numbers, metavar="V1,V2,…", help="Speeds v (m/s, rad/s); default 0."),
     ] = None,
     accelerations: Annotated[
         Numbers | None,
         typer.Option(
             parser=numbers,
             metavar="W1,W2,…",
-            help="Accelerations w (m/s², rad/s²); 0 unless given.",
+            help="Accelerations w (m/s², rad/s²); default 0.",
         ),
     ] = None,
     json: Json = False,
 ) -> None:
     """Evaluate the equation of motion at one state.
 
-    Prints M, C, G and the forces of the motors. The forces are M w + C v + G at the positions,
-    speeds v and accelerations w that are given.
+    Prints M, C, G and the forces of the motors. The forces are M w + C v + G at the given
+    positions, speeds v and accelerations w.
     """
     import numpy as np
 
@@ -113,9 +111,9 @@ def _show(
     forces: Any,
     motors: dict[str, Any],
 ) -> None:
-    # Numbered, for of many coordinates no line has room for all their names.
+    # Numbered, because the names of many coordinates do not fit on a line.
     numbers = [str(number) for number in range(1, len(labels) + 1)]
-    units = "kg, kg m and kg m² as the coordinates slide or turn"
+    units = "kg, kg m or kg m², depending on whether the coordinates slide or turn"
     for name, matrix, note in (("M", M, units), ("C", C, f"{units}, per second")):
         largest = abs(matrix).max(initial=0.0)
         rows = [

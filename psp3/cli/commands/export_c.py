@@ -23,7 +23,7 @@ class PrecisionName(StrEnum):
 
 
 def output_folder(text: str) -> Path:
-    """Refuse a folder that cannot be made before anything is computed, not after."""
+    """Refuse a folder that cannot be made, before anything is computed."""
     path = folder_path(text)
     if not path.parent.is_dir():
         raise typer.BadParameter(f"{text}: there is no directory {path.parent}")
@@ -32,7 +32,7 @@ def output_folder(text: str) -> Path:
 
 @dataclass(frozen=True, kw_only=True)
 class ThingInC(ThingOptions):
-    """What is written in C, which fuzzy systems can be, too."""
+    """What is written in C; it can also be a fuzzy system."""
 
     thing: Annotated[
         str,
@@ -53,19 +53,21 @@ def c(
         typer.Option(
             parser=output_folder,
             metavar="DIR",
-            help="Directory to write into; it is made if it is not there.",
+            help="Directory to write to; it is made if it does not exist.",
             show_default=False,
         ),
     ],
     precision: Annotated[
         PrecisionName,
-        typer.Option(metavar="NAME", help="Of all numbers: double, or single for a Cortex-M4."),
+        typer.Option(
+            metavar="NAME", help="Type of all numbers: double, or single for a Cortex-M4."
+        ),
     ] = PrecisionName.DOUBLE,
     name: Annotated[
         str | None,
         typer.Option(
             metavar="NAME",
-            help="Name of the .c and .h file and prefix of all names in it; THING's unless given.",
+            help="Name of the .c and .h file and prefix of all names in it; default THING's.",
             show_default=False,
         ),
     ] = None,
@@ -73,8 +75,8 @@ def c(
 ) -> None:
     """Write a robot, a controller or a fuzzy system in C99, with a program and a test.
 
-    Into DIR go NAME.c and NAME.h, which need nothing else; main.c, which answers lines of numbers;
-    a test with 200 cases and what Python answers; a Makefile and a README.md.
+    DIR gets NAME.c and NAME.h, which need nothing else; main.c, which reads lines of numbers and
+    prints the results; a test with 200 cases and Python's results; a Makefile and a README.md.
     """
     from psp3.export.controllers import robot_of
     from psp3.export.project import export_project, identifier
@@ -82,7 +84,8 @@ def c(
     written, robot = thing.open()
     options: dict[str, Any] = {} if robot is None else {"robot": robot}
     if not hasattr(written, "torque"):
-        only_allowed(f"{thing.thing}, which is no controller", {"torque_limit": torque_limit}, ())
+        chosen = f"{thing.thing}, which is not a controller"
+        only_allowed(chosen, {"torque_limit": torque_limit}, ())
     elif torque_limit is not None:
         steered = robot_of(written) if robot is None else robot
         options["torque_limit"] = one_or_each("--torque-limit", torque_limit, steered.actuated)

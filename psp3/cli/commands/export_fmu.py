@@ -16,7 +16,7 @@ from psp3.cli.output import say
 
 
 class Version(StrEnum):
-    """Versions of FMI."""
+    """Version of FMI."""
 
     TWO = "2.0"
     THREE = "3.0"
@@ -29,26 +29,27 @@ def fmu(
     out: Annotated[
         Path,
         typer.Option(
-            parser=fmu_output, metavar="FILE", help="File to write, *.fmu.", show_default=False
+            parser=fmu_output, metavar="FILE", help="File to write (*.fmu).", show_default=False
         ),
     ],
     fmi: Annotated[
-        Version, typer.Option(metavar="VERSION", help="Of FMI: 2.0 or 3.0.")
+        Version, typer.Option(metavar="VERSION", help="Version of FMI: 2.0 or 3.0.")
     ] = Version.TWO,
     period: Annotated[
         float,
-        typer.Option(metavar="SECONDS", help="Communication step, or the least one (s)."),
+        typer.Option(
+            metavar="SECONDS",
+            help="Shortest communication step (s); all steps are multiples of it.",
+        ),
     ] = 0.002,
     steps: Annotated[
         int | None,
-        typer.Option(
-            metavar="COUNT", help="Steps of integration of a robot in a period; 1 unless given."
-        ),
+        typer.Option(metavar="COUNT", help="Integration steps of a robot in a period; default 1."),
     ] = None,
     name: Annotated[
         str | None,
         typer.Option(
-            metavar="NAME", help="Identifier of the model; FILE's unless given.", show_default=False
+            metavar="NAME", help="Identifier of the model; default from FILE.", show_default=False
         ),
     ] = None,
     torque_limit: TorqueLimit = None,
@@ -56,9 +57,9 @@ def fmu(
 ) -> None:
     """Write a robot or a controller as an FMU (FMI 2.0 or 3.0, co-simulation).
 
-    A robot is given the forces of its motors, and has positions and speeds as outputs; a controller
-    is given those and the desired motion, and has the forces as outputs. FILE holds source code in
-    C and, where this is Linux with gcc, a binary.
+    A robot's inputs are the forces of its motors, and its outputs are positions and speeds. A
+    controller's inputs are those and the desired motion, and its outputs are the forces. FILE holds
+    source code in C and, if written on Linux with gcc, a binary.
     """
     from psp3.errors import SourceOnlyFMU
     from psp3.export.fmu import export_fmu
@@ -72,7 +73,7 @@ def fmu(
         if torque_limit is not None:
             options["torque_limit"] = one_or_each("--torque-limit", torque_limit, model.actuated)
     else:
-        only_allowed(f"{thing.thing}, which is no robot", of_a_robot, ())
+        only_allowed(f"{thing.thing}, which is not a robot", of_a_robot, ())
     with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always", SourceOnlyFMU)
         written = export_fmu(
@@ -84,5 +85,5 @@ def fmu(
         names = [one.name for one in written.variables if one.causality == causality]
         if names:
             say(f"{causality}s: {', '.join(names)}")
-    holds = "source code and a binary" if written.has_binary else "source code alone"
+    holds = "source code and a binary" if written.has_binary else "only source code"
     say(f"{out} holds {holds}; steps are multiples of {period:g} s")

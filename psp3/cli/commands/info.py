@@ -1,4 +1,4 @@
-"""The command that says what is installed and which robots there are."""
+"""The command that shows a robot, or the installed versions."""
 
 from __future__ import annotations
 

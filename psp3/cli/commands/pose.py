@@ -38,7 +38,7 @@ def pose(
         typer.Option(
             metavar="NAME",
             help=(
-                "Another robot than the 3-PSP: where this frame is; tip unless given, where there "
+                "Robots other than the 3-PSP: print the place of this frame; default tip if there "
                 "is one; may be given more than once."
             ),
         ),
@@ -46,36 +46,36 @@ def pose(
     tip: Annotated[
         Triple | None,
         typer.Option(
-            parser=triple, metavar="X,Y,Z", help="3-PSP, inverse: the pose with the tip here (m)."
+            parser=triple, metavar="X,Y,Z", help="3-PSP, inverse: position of the tip (m)."
         ),
     ] = None,
     height: Annotated[
         float | None,
         typer.Option(
             metavar="M",
-            help="3-PSP, inverse: height of the star's center (m); 0 with --tilt.",
+            help="3-PSP, inverse: height of the star's center (m); default 0 with --tilt.",
         ),
     ] = None,
     tilt: Annotated[
         float | None,
         typer.Option(
             metavar="DEGREES",
-            help="3-PSP, inverse: tilt of the star's axis (degrees); 0 with --height.",
+            help="3-PSP, inverse: tilt of the star's axis (degrees); default 0 with --height.",
         ),
     ] = None,
     azimuth: Annotated[
         float | None,
         typer.Option(
             metavar="DEGREES",
-            help="3-PSP, inverse: where the star leans to (degrees); 0 unless given.",
+            help="3-PSP, inverse: direction in which the star leans (degrees); default 0.",
         ),
     ] = None,
     json: Json = False,
 ) -> None:
     """Solve the kinematics of one pose.
 
-    Forward from --positions; inverse, of the 3-PSP, from --tip, or from --height, --tilt and
-    --azimuth.
+    Forward kinematics from --positions. For the 3-PSP also inverse kinematics, from --tip, or from
+    --height, --tilt and --azimuth.
     """
     if not robot.is_of_thesis:
         robot.refuse(
@@ -86,7 +86,9 @@ def pose(
         return
     leaning = [value for value in (height, tilt, azimuth) if value is not None]
     if frame:
-        raise usage_error("--frame is for other robots; of the 3-PSP the star and the tip are told")
+        raise usage_error(
+            "--frame is for other robots; for the 3-PSP the star and the tip are always shown"
+        )
     if (positions is not None) + (tip is not None) + bool(leaning) != 1:
         raise usage_error("give one of --heights, --tip, or --height with --tilt and --azimuth")
     if tilt is not None and not abs(tilt) < RIGHT_ANGLE:
@@ -149,7 +151,7 @@ def _pose_of_thesis(robot: PSP3, a: Any, json: bool) -> None:
         table.add_row(name, plain_number(float(value)), "", "", unit)
     if not inside:
         table.caption = (
-            f"Outside the stroke, {lower[0]:g} m to {upper[0]:g} m: the machine cannot take this "
+            f"Outside the stroke, {lower[0]:g} m to {upper[0]:g} m: the robot cannot reach this "
             "pose."
         )
     show(table)
@@ -192,7 +194,7 @@ def _table_of_joints(robot: ClosedLoopRobot, rows: list[Any], inside: bool) -> A
         table.add_row(row.joint, "\n".join(fixed(row.values)), row.unit, row.role)
     if not inside:
         beyond = ", ".join(row.joint for row in rows if not row.is_within)
-        table.caption = f"Outside the limits of {beyond}: the machine cannot take this pose."
+        table.caption = f"Outside the limits of {beyond}: the robot cannot reach this pose."
     return table
 
 

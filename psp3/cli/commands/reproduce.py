@@ -20,7 +20,7 @@ def reproduce(
         typer.Option(
             parser=folder_path,
             metavar="DIR",
-            help="Directory to write to; made if it does not exist.",
+            help="Directory to write to; it is made if it does not exist.",
         ),
     ] = Path("results"),
     seeds: Annotated[
@@ -34,15 +34,15 @@ def reproduce(
     quick: Annotated[
         bool,
         typer.Option(
-            "--quick", help="A look in seconds: two seeds, no animation.", show_default=False
+            "--quick", help="A quick look in seconds: two seeds, no animation.", show_default=False
         ),
     ] = False,
 ) -> None:
     """Run the main job: the thesis's results, recomputed.
 
-    Every number stands beside the printed one. Writes a report, figures, an animation and all
-    numbers, and prints the main tables. Runs that DIR/study.sqlite holds are not repeated, so the
-    same command goes on where it was stopped.
+    Every number is shown beside the printed one. Writes a report, figures, an animation and all
+    numbers, and prints the main tables. Runs in DIR/study.sqlite are not repeated, so the same
+    command resumes after a stop.
     """
     from rich.console import Console
     from rich.text import Text
@@ -64,7 +64,7 @@ def reproduce(
     )
     console.print()
     for path in outcome.files:
-        # Outside rich, which would break long paths.
+        # Printed without rich, which would wrap long paths.
         say(path if path.is_relative_to(out) else out / path.name)
 
 
@@ -74,7 +74,7 @@ def _reproduce_progress() -> Iterator[
 ]:
     """Show the steps of the main job and the runs of its study on standard error.
 
-    In a log each step is a line.
+    In a log file each step is a line.
     """
     with progress_bars() as (bars, on_terminal):
         task, runs = bars.add_task("", total=None), bars.add_task("runs", total=None, visible=False)

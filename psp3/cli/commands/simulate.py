@@ -60,9 +60,9 @@ def simulate(
         typer.Option(
             metavar="NAME",
             help=(
-                "Controller: ctc (unless given), pd, pd-gravity, pid or feed-forward; or t1, it2 "
-                "or gt2, trained without noise on the helix, of another robot on its sway; or "
-                "adaptive-t1 or adaptive-it2, which go on learning."
+                "Controller: ctc (default), pd, pd-gravity, pid or feed-forward; or t1, it2 or "
+                "gt2, trained without noise on the helix (on sway for robots other than the "
+                "3-PSP); or adaptive-t1 or adaptive-it2, which continue to learn."
             ),
             show_default=False,
         ),
@@ -83,7 +83,7 @@ def simulate(
     initial_speed: Annotated[
         InitialSpeed,
         typer.Option(
-            metavar="NAME", help="Speed at the start: rest, or path for that of the motion."
+            metavar="NAME", help="Speed at the start: rest, or path for the speed of the motion."
         ),
     ] = InitialSpeed.REST,
     trajectory: TrajectoryText = None,
@@ -94,15 +94,15 @@ def simulate(
             parser=result_output,
             metavar="FILE",
             rich_help_panel=OUTPUT,
-            help="Save the result as .npz, for psp3 view.",
+            help="Save the result as .npz; psp3 view shows it.",
         ),
     ] = None,
     outputs: OutputOptions,
 ) -> None:
     """Simulate a controller that tracks a motion.
 
-    Without options: computed torque with the thesis's gains on the thesis's helix. Another robot
-    than the 3-PSP sways about its reference pose, under gains of its own.
+    Without options: computed torque with the thesis's gains on the thesis's helix. Robots other
+    than the 3-PSP sway about their reference pose, with their own gains.
     """
     outputs.check()
     which = robot.load()
@@ -125,7 +125,7 @@ def simulate(
         title = f"{which.title}, {title}"
 
     def write(result: Result) -> dict[str, Path]:
-        # Of a controller without a first force there is nothing to draw.
+        # If the controller never returned a force, there is nothing to draw.
         figure = outputs.figure if result.t.size else None
         files = {"result": out, "csv": outputs.csv, "figure": figure}
         if out is not None:
@@ -191,7 +191,7 @@ def simulate(
 
 
 def _why_it_may_have(robot: ClosedLoopRobot) -> str:
-    """Say, of a robot that stopped, what no motor held, and how to hold it."""
+    """Explain why a robot may have stopped: motions that no motor holds, and how to hold them."""
     follow = what_follows(robot)
     if not follow or robot.options["free"] != "keep":
         return ""
@@ -199,7 +199,7 @@ def _why_it_may_have(robot: ClosedLoopRobot) -> str:
 
 
 def _speeds_of_path(robot: ClosedLoopRobot, desired: Trajectory) -> Any:
-    """Return the speeds at the start of a motion; what follows rests."""
+    """Return the speeds at the start of a motion; passive coordinates are at rest."""
     import numpy as np
 
     speeds = np.zeros(robot.coordinates_v.size)
@@ -277,7 +277,7 @@ def _joint_metrics(result: Result, robot: ClosedLoopRobot) -> dict[str, Any]:
     from psp3.simulation.metrics import largest_tip_error
 
     errors = result.desired.positions - result.positions[:, : robot.commanded]
-    # Where coordinates follow, no motion of the tip is desired.
+    # If some coordinates follow passively, there is no desired motion of the tip.
     all_commanded = robot.commanded == robot.coordinates_v.size
     tip = largest_tip_error(result) if all_commanded else math.nan
     return {
@@ -316,7 +316,7 @@ def _metrics(result: Result, robot: ClosedLoopRobot) -> dict[str, Any]:
 def _samples(result: Result, robot: ClosedLoopRobot) -> dict[str, Any]:
     """Return the columns of a simulation's CSV file.
 
-    They are named as those of :meth:`psp3.trajectories.screw_forces.ScrewForces.columns`.
+    Their names are those of :meth:`psp3.trajectories.screw_forces.ScrewForces.columns`.
     """
     columns = {"t": result.t, **dict(zip("xyz", result.tip.T, strict=True))}
     columns |= {

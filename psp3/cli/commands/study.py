@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class RunOptions:
-    """Which runs a study is made of."""
+    """The runs of a study."""
 
     controller: Annotated[
         list[str] | None,
@@ -31,8 +31,8 @@ class RunOptions:
             rich_help_panel=RUNS,
             help=(
                 "Controller: feed-forward, pd, pd-gravity, ctc, ctc-integral, lqr, lqr-stiff, t1, "
-                "it2, gt2, adaptive-t1 or adaptive-it2, or your own by where it is, MODULE:NAME; "
-                "pd, ctc, t1 and it2 unless given."
+                "it2, gt2, adaptive-t1 or adaptive-it2, or your own as MODULE:NAME; default pd, "
+                "ctc, t1 and it2."
             ),
         ),
     ] = None
@@ -41,7 +41,7 @@ class RunOptions:
         typer.Option(
             metavar="NAME",
             rich_help_panel=RUNS,
-            help="What is noisy: parameters (unless given), measurement, online, plant or inputs.",
+            help="What is noisy: parameters (default), measurement, online, plant or inputs.",
         ),
     ] = None
     snr_reference: Annotated[
@@ -49,7 +49,7 @@ class RunOptions:
         typer.Option(
             metavar="NAME",
             rich_help_panel=RUNS,
-            help="What the ratio is taken against: mean-square (unless given), variance or unit.",
+            help="Reference of the signal-to-noise ratio: mean-square (default), variance or unit.",
         ),
     ] = None
     noisy_entries: Annotated[
@@ -57,7 +57,7 @@ class RunOptions:
         typer.Option(
             metavar="NAME",
             rich_help_panel=RUNS,
-            help="Which of M, C and G are noisy: all (unless given), gravity or mass-coriolis.",
+            help="Which of M, C and G are noisy: all (default), gravity or mass-coriolis.",
         ),
     ] = None
     snr: Annotated[
@@ -65,13 +65,13 @@ class RunOptions:
         typer.Option(
             metavar="DB",
             rich_help_panel=RUNS,
-            help="Signal-to-noise ratio (dB); inf, 20, 15 and 10 unless given.",
+            help="Signal-to-noise ratio (dB); default inf, 20, 15 and 10.",
         ),
     ] = None
     seeds: Annotated[
         int,
         typer.Option(
-            min=1, metavar="COUNT", rich_help_panel=RUNS, help="Number of seeds, from 0 on."
+            min=1, metavar="COUNT", rich_help_panel=RUNS, help="Number of seeds, counted from 0."
         ),
     ] = 30
     trajectory: Annotated[
@@ -79,9 +79,9 @@ class RunOptions:
         typer.Option(
             metavar="NAME",
             rich_help_panel=RUNS,
-            help="Path: helix (unless given), which is the one learned from, circle, line, "
-            "fast-helix, fastest-helix, large-helix or waypoints; of another robot than the 3-PSP "
-            "sway (unless given), fast-sway, small-sway or hold.",
+            help="Path: helix (default; rules are learned on it), circle, line, fast-helix, "
+            "fastest-helix, large-helix or waypoints; for robots other than the 3-PSP sway "
+            "(default), fast-sway, small-sway or hold.",
         ),
     ] = None
     learner: Annotated[
@@ -89,8 +89,8 @@ class RunOptions:
         typer.Option(
             metavar="NAME",
             rich_help_panel=RUNS,
-            help="How t1, it2 and gt2 learn their rules: strongest (unless given), strict (table "
-            "look-up, as the thesis), average or ridge.",
+            help="How t1, it2 and gt2 learn their rules: strongest (default), strict (table "
+            "look-up, as in the thesis), average or ridge.",
         ),
     ] = None
     terms: Annotated[
@@ -98,8 +98,8 @@ class RunOptions:
         typer.Option(
             metavar="COUNT",
             rich_help_panel=RUNS,
-            help="Terms of each input of t1, it2 and gt2, on a grid: of the 3-PSP 2 unless "
-            "given, else none.",
+            help="Terms of each input of t1, it2 and gt2, on a grid; default 2 for the 3-PSP, "
+            "otherwise none.",
         ),
     ] = None
     mean_variation: Annotated[
@@ -108,8 +108,8 @@ class RunOptions:
             metavar="SHARE",
             rich_help_panel=RUNS,
             help=(
-                "Mean variation of it2 and gt2 as a share of each input's range; it follows the "
-                "signal-to-noise ratio unless given."
+                "Mean variation of it2 and gt2 as a share of each input's range; by default it "
+                "follows the signal-to-noise ratio."
             ),
         ),
     ] = None
@@ -118,22 +118,22 @@ class RunOptions:
         typer.Option(
             metavar="NAME",
             rich_help_panel=RUNS,
-            help="What gt2 makes crisp: first M, C and G (unless given), or last the torque, as "
-            "the thesis.",
+            help="What gt2 defuzzifies: first M, C and G (default), or last the torque, as in the "
+            "thesis.",
         ),
     ] = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class PlantOptions:
-    """How the plant differs from what the controllers know."""
+    """How the plant differs from the controllers' model."""
 
     payload: Annotated[
         list[float] | None,
         typer.Option(
             metavar="KG",
             rich_help_panel=PLANT,
-            help="Mass on the star that no controller knows of (kg).",
+            help="Mass on the star that is not in the controller's model (kg).",
         ),
     ] = None
     coulomb_friction: Annotated[
@@ -171,7 +171,7 @@ class PlantOptions:
         typer.Option(
             metavar="PERIODS",
             rich_help_panel=PLANT,
-            help="Control periods from measurement to force.",
+            help="Delay from measurement to force, in control periods.",
         ),
     ] = None
 
@@ -184,7 +184,7 @@ def study(
         typer.Argument(
             parser=file_path,
             metavar="FILE",
-            help="SQLite file of the results: begun, resumed or extended.",
+            help="SQLite file of the results; made, resumed or extended.",
             show_default=False,
         ),
     ],
@@ -192,8 +192,7 @@ def study(
         list[str] | None,
         typer.Argument(
             metavar="ROBOT",
-            help="Robots of the package (psp3 info lists them) or their files; the 3-PSP unless "
-            "given.",
+            help="Robots of the package (psp3 info lists them) or their files; default the 3-PSP.",
             show_default=False,
         ),
     ] = None,
@@ -202,7 +201,9 @@ def study(
     duration: Annotated[
         float,
         typer.Option(
-            metavar="S", rich_help_panel=RUNS, help="Length of a run (s), the same in all a file."
+            metavar="S",
+            rich_help_panel=RUNS,
+            help="Length of a run (s); it is the same for all runs in a file.",
         ),
     ] = float(SAMPLED),
     workers: Annotated[
@@ -210,7 +211,7 @@ def study(
         typer.Option(
             min=1,
             metavar="COUNT",
-            help="Runs at a time on this machine; one for each core unless given.",
+            help="Number of runs at a time on this machine; default one per core.",
         ),
     ] = None,
     scheduler: Annotated[
@@ -226,21 +227,21 @@ def study(
             parser=table_output,
             metavar="FILE",
             rich_help_panel=OUTPUT,
-            help="Write fields and metrics of all runs as CSV, SI units.",
+            help="Write the fields and metrics of all runs as CSV in SI units.",
         ),
     ] = None,
 ) -> None:
     """Compare controllers over many seeds, with intervals.
 
-    Options of runs can be given more than once: every combination is a run. Runs that are in FILE
-    are not repeated, so the same command resumes a study that was stopped, and one with more seeds
+    Options of runs can be given more than once: every combination is a run. Runs in FILE are not
+    repeated, so the same command resumes a study that was stopped, and a larger number of seeds
     extends it.
     """
     refuse_workers_of_scheduler(workers, scheduler)
     from psp3.description.parts import ROBOTS
 
     if str(file) in ROBOTS:
-        raise usage_error(f"FILE comes first, and then robots: psp3 study {file}.sqlite {file}")
+        raise usage_error(f"give FILE first and then robots: psp3 study {file}.sqlite {file}")
     if csv is not None and csv.resolve() == file.resolve():
         raise usage_error("--csv would overwrite FILE; give it another name")
     from psp3.study.grids import grid
@@ -257,7 +258,7 @@ def study(
         "noisy_entries": runs.noisy_entries,
         "defuzzify": runs.defuzzify,
         **vars(plant),
-        # The last vary fastest: what runs one after another differs in controller and noise only.
+        # The last fields vary fastest, so consecutive runs differ only in controller and noise.
         "controller": runs.controller or ["pd", "ctc", "t1", "it2"],
         "snr_db": runs.snr or [math.inf, 20.0, 15.0, 10.0],
     }
@@ -274,7 +275,7 @@ def study(
 
 
 OF_NOISE = ("reading", "snr_reference", "noisy_entries")
-"""Fields of no meaning to runs without noise."""
+"""Fields that do not apply to runs without noise."""
 
 
 def _setting(run: Run, name: str) -> Value:
@@ -284,7 +285,7 @@ def _setting(run: Run, name: str) -> Value:
 
 
 def _fixed_settings(found: dict[str, Value], headings: dict[str, str]) -> list[str]:
-    """Return what all runs have in common, but for what nobody asked for."""
+    """Return the fields that all runs share, except those left at their defaults."""
     from psp3.study.run import DEFAULTS
 
     fixed = ["no noise"] if found.get("reading", "") is None else []
@@ -298,9 +299,9 @@ def _fixed_settings(found: dict[str, Value], headings: dict[str, str]) -> list[s
 def _study_tables(
     rows: Table, show_mean_variation: bool
 ) -> Iterator[tuple[str, list[str], list[list[str]], str]]:
-    """Title, headings, rows and note of the tables of a study.
+    """Return the title, headings, rows and note of each table of a study.
 
-    Every setting, then type-2 beside type-1.
+    The first table has every setting, the second compares type-2 with type-1.
     """
     from psp3.study.intervals import coverage_in_words
     from psp3.study.statistics import Estimate, compare, summarize
@@ -361,9 +362,9 @@ def _study_tables(
     ]
     shown = [headings[name] for name in names]
     note = (
-        "In brackets 95 % intervals, by bootstrap and of shares Wilson's; "
+        "In brackets 95 % intervals, from the bootstrap, for shares Wilson's; "
         f"{coverage_in_words('mean', 'median', seeds=seeds)}. Means and medians are over the "
-        "seeds that did not diverge. What does not depend on the seed is done once."
+        "seeds that did not diverge. Runs that do not depend on the seed are done once."
     )
     yield title, [*shown, "mean", "median", "diverged", "seeds"], cells, note
     cells = [

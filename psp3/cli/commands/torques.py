@@ -1,4 +1,4 @@
-"""The command that turns a motion into the forces that it takes."""
+"""The command that computes the forces for a motion."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from psp3.trajectories.screw_forces import ScrewForces
 
 MOST_SAMPLES = 10**7
-"""More do not fit into memory with all that is told of each."""
+"""Greatest number of samples that fits into memory with all values of each."""
 
 
 @single_options
@@ -29,16 +29,16 @@ def torques(
     trajectory: TrajectoryText = None,
     motion: MotionOptions,
     sampling_period: Annotated[
-        float, typer.Option(metavar="S", help="Time between two samples (s).")
+        float, typer.Option(metavar="S", help="Time between samples (s).")
     ] = 0.01,
     model: Model = None,
     outputs: OutputOptions,
 ) -> None:
-    """Turn a motion into the forces of the motors.
+    """Compute the forces of the motors for a motion.
 
-    Of the 3-PSP a motion of the tip: the nut heights and their rates come on the way, the thesis's
-    inverse dynamics, Figures 27, 28 and 31. Prints the extremes; all samples go to --csv, --json or
-    --figure.
+    For the 3-PSP the motion is that of the tip, and nut heights and their rates are computed as
+    well: the thesis's inverse dynamics, Figures 27, 28 and 31. Prints the extremes; all samples go
+    to --csv, --json or --figure.
     """
     outputs.check()
     which = robot.load()
@@ -52,7 +52,7 @@ def torques(
             checked_positive(name, value)
     desired, seconds, name_of_motion = trajectory_from_options(which, trajectory, motion)
     check_periods(seconds, sampling_period, MOST_SAMPLES)
-    # The small excess keeps rounding from losing the last sample.
+    # The small excess keeps the last sample in spite of rounding.
     times = sampling_period * np.arange(int(seconds / sampling_period * (1.0 + 1e-12) + 1e-9) + 1)
     forces = screw_forces(
         desired, times, which.dynamics(model.value) if model is not None else None

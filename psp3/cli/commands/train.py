@@ -23,12 +23,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class RuleOptions:
-    """What is learned, and from what noise."""
+    """The rules to learn, and the noise on their record."""
 
     kind: Annotated[
         str,
         typer.Option(
-            metavar="NAME", help="it2 (interval type-2), t1 (type-1) or gt2 (general type-2)."
+            metavar="NAME",
+            help="Kind of the rules: it2 (interval type-2), t1 (type-1) or gt2 (general type-2).",
         ),
     ] = "it2"
     learner: Annotated[
@@ -36,8 +37,8 @@ class RuleOptions:
         typer.Option(
             metavar="NAME",
             help=(
-                "How rules are learned: strongest (unless given, for the 3-PSP), strict, average, "
-                "ridge or least-squares (unless given, for other robots)."
+                "How rules are learned: strongest (default for the 3-PSP), strict, average, ridge "
+                "or least-squares (default for other robots)."
             ),
         ),
     ] = None
@@ -45,7 +46,7 @@ class RuleOptions:
         int | None,
         typer.Option(
             metavar="COUNT",
-            help="Terms of every input, on a grid: of the 3-PSP 2 unless given, else none.",
+            help="Terms of every input, on a grid; default 2 for the 3-PSP, otherwise none.",
         ),
     ] = None
     coriolis: Annotated[
@@ -53,7 +54,7 @@ class RuleOptions:
         typer.Option(
             metavar="NAME",
             help=(
-                "Where C comes from: rules of its own, or mass, the derivative of M (not of the "
+                "Source of C: rules of its own, or mass for the derivative of M (not for the "
                 "3-PSP)."
             ),
         ),
@@ -69,14 +70,14 @@ class RuleOptions:
         float | None,
         typer.Option(
             metavar="SHARE",
-            help="Mean variation as a share of each input's range; it follows --snr unless given.",
+            help="Mean variation as a share of each input's range; by default it follows --snr.",
         ),
     ] = None
     defuzzify: Annotated[
         str,
         typer.Option(
             metavar="NAME",
-            help="What gt2 makes crisp: first M, C and G, or last the torque, as the thesis.",
+            help="What gt2 defuzzifies: first M, C and G, or last the torque, as in the thesis.",
         ),
     ] = "first"
     seed: Annotated[
@@ -93,7 +94,7 @@ def train(
         typer.Argument(
             parser=controller_output,
             metavar="FILE",
-            help="File to write, *.json.",
+            help="File to write (*.json).",
             show_default=False,
         ),
     ],
@@ -103,13 +104,16 @@ def train(
         float | None,
         typer.Option(
             metavar="GAIN",
-            help="Proportional gain (1/s²); 10, of another robot of a bandwidth of 20 rad/s.",
+            help="Proportional gain (1/s²); default 10, for robots other than the 3-PSP that of a "
+            "bandwidth of 20 rad/s.",
         ),
     ] = None,
     kv: Annotated[
         float | None,
         typer.Option(
-            metavar="GAIN", help="Derivative gain (1/s); 1, of another robot critical damping."
+            metavar="GAIN",
+            help="Derivative gain (1/s); default 1, for robots other than the "
+            "3-PSP critical damping.",
         ),
     ] = None,
     trajectory: TrajectoryText = None,
@@ -121,9 +125,9 @@ def train(
             parser=file_path,
             metavar="FILE",
             help=(
-                "Learn from measured forces in place of M, C and G: a CSV file with the columns t, "
-                "of each motor its name, and force_ and its name (or a1,… and force1,…, as "
-                "simulate --csv writes)."
+                "Learn from measured forces instead of M, C and G. The CSV file has a column t, "
+                "and for each motor a column with its name and one with force_ before its name "
+                "(or a1,… and force1,…, as simulate --csv writes them)."
             ),
             show_default=False,
         ),
@@ -131,9 +135,9 @@ def train(
 ) -> None:
     """Train a fuzzy computed-torque controller and write it to a file.
 
-    The crisp controller tracks a motion, the helix unless given, of another robot its sway; M, C
-    and G are recorded and learned from. With --record they are learned from a motion of the robot
-    itself and the forces that its motors had.
+    Exact computed torque tracks a motion, and the rules learn M, C and G along it. By default the
+    motion is the helix, or sway for robots other than the 3-PSP. With --record the rules learn from
+    measured motion and motor forces of the real robot.
     """
     from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 
@@ -181,7 +185,7 @@ def train(
 def _learned_by_simulation(
     controller: FuzzyComputedTorque, trajectory: str | None, motion: MotionOptions, seed: int
 ) -> tuple[str, Any]:
-    """Learn M, C and G where the exact controller goes; return the motion's name and a table."""
+    """Learn M, C and G along the exact controller's motion; return its name and a table."""
     import numpy as np
 
     from psp3.fuzzy_control.records import record, unpack
@@ -199,7 +203,7 @@ def _learned_by_simulation(
 
 
 def _learned_from_record(controller: FuzzyComputedTorque, path: Path) -> tuple[str, Any]:
-    """Learn from measured forces; return the file's name and a table of what they miss."""
+    """Learn from measured forces; return the file's name and a table of errors."""
     import numpy as np
 
     from psp3.trajectories.recorded import measured_motion

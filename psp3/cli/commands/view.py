@@ -48,7 +48,7 @@ def view(
         typer.Option(
             parser=file_path,
             metavar="FILE",
-            help="Show the motion that psp3 simulate --out saved; may be given more than once.",
+            help="Show a motion that psp3 simulate --out saved; may be given more than once.",
         ),
     ] = None,
     controller: Annotated[
@@ -77,13 +77,13 @@ def view(
         typer.Option(
             parser=page_output,
             metavar="FILE",
-            help="Write a page (.html) that any browser opens, and do not serve.",
+            help="Write a page (.html) that any browser opens, instead of serving.",
         ),
     ] = None,
     browser: Annotated[
         bool,
         typer.Option(
-            help="Open the page in your browser, where there is a screen, or only serve it.",
+            help="Open the page in your browser if there is a screen, or only serve it.",
         ),
     ] = True,
     port: Annotated[
@@ -92,7 +92,7 @@ def view(
             min=1,
             max=65000,
             metavar="PORT",
-            help="Port to serve on; if it is taken, the next one.",
+            help="Port to serve on; if it is taken, the next free one.",
         ),
     ] = 7000,
     trajectory: Annotated[
@@ -101,9 +101,9 @@ def view(
             metavar="NAME",
             rich_help_panel=MOTION,
             help=(
-                "circle (of the 3-PSP, unless given), helix (with a controller), line, "
-                "point-to-point, hold, sway (of any other robot, unless given), or csv:FILE; "
-                "without a controller shown as it is desired."
+                "Motion: circle (default for the 3-PSP), helix (default with a controller), line, "
+                "point-to-point, hold, sway (default for other robots), or csv:FILE. Without a "
+                "controller the desired motion is shown."
             ),
         ),
     ] = None,
@@ -111,8 +111,8 @@ def view(
 ) -> None:
     """Show the robot in the browser, in motion or, with --positions, at rest.
 
-    Opens the browser itself. Robots of several results and controllers stand side by side, each
-    with its error in millimeters. Serves to this machine only, at 127.0.0.1, until Ctrl-C.
+    Opens the browser itself. The robots of several results and controllers are shown side by side,
+    each with its error in millimeters. Serves only this machine, at 127.0.0.1, until Ctrl-C.
     """
     simulated = bool(controller or trained)
     _refuse_contradictions(
@@ -157,7 +157,7 @@ def view(
     with Viewer(which, port) as viewer:
         stage(viewer)
         try:
-            # Who reads this may interrupt at once.
+            # Printed inside the block that handles Ctrl-C, because a reader may interrupt at once.
             say(f"{viewer.url} shows the robot; Ctrl-C ends.")
             if browser:
                 open_page(viewer.url)
@@ -174,7 +174,7 @@ def _refuse_contradictions(
     trajectory: str | None,
     motion: MotionOptions,
 ) -> None:
-    """Raise a usage error where options do not go together."""
+    """Raise a usage error if options exclude each other."""
     if at_rest and recorded:
         raise usage_error("give --positions or --result, not both")
     if at_rest and (trajectory is not None or simulated):
@@ -189,9 +189,9 @@ def _refuse_contradictions(
 
 
 def _recorded(files: Iterable[Path]) -> dict[str, Result]:
-    """Return results from their files, by the names of these.
+    """Return results from files, by file name.
 
-    Files of the same name in different directories are told apart by their paths.
+    Files of the same name in different directories are listed by path.
     """
     from psp3.simulation.result import load_result
 
@@ -205,9 +205,9 @@ def _recorded(files: Iterable[Path]) -> dict[str, Result]:
 def _desired(
     robot: ClosedLoopRobot, text: str | None, options: MotionOptions
 ) -> tuple[Trajectory, float] | None:
-    """Return what the robot does without a controller, and for how long; None if it cannot move.
+    """Return the motion without a controller and its duration; None if the robot cannot move.
 
-    A motion that repeats is shown in whole turns, so that it goes on without a jump.
+    A periodic motion is shown in whole periods, so it repeats without a jump.
     """
     from psp3.errors import InvalidValue
 

@@ -1,4 +1,4 @@
-"""The command that compiles everything, so that no other has to."""
+"""The command that compiles all kernels in advance."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ from psp3.cli.output import say
 
 
 def warm_up() -> None:
-    """Compile every kernel now, so that no other command has to: a few minutes, once.
+    """Compile all kernels now, once, in a few minutes; other commands then start faster.
 
-    The code is kept in the cache folder of the user, or in that which NUMBA_CACHE_DIR names.
+    The compiled code is kept in the user's cache folder, or in the folder that NUMBA_CACHE_DIR
+    names.
     """
     from fuzzy2.support.code_folder import code_folder
     from psp3.warm_up import warm_up as compile_all
@@ -25,7 +26,7 @@ def warm_up() -> None:
 
 @contextmanager
 def _progress_said() -> Iterator[None]:
-    """Say on standard error what is compiled next."""
+    """Report on standard error what is compiled next."""
 
     class Sayer(logging.Handler):
         def emit(self, record: logging.LogRecord) -> None:

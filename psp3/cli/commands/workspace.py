@@ -18,19 +18,20 @@ if TYPE_CHECKING:
     from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 TILT, TIP = "tilt", "tip"
-"""What the 3-PSP's workspace is seen over."""
+"""Quantities over which the 3-PSP's workspace is mapped."""
 
 FARTHEST_TURN = 3.0
-"""No farther a rotation is followed [rad]."""
+"""Rotations are followed up to this angle [rad]."""
 
 FARTHEST = 3.0
-"""Nor a way, in characteristic lengths of the robot."""
+"""Translations are followed up to this distance, in characteristic lengths of the robot."""
 
 WELL = 1e-3
-"""A task coordinate counts if the motors move it by this, beside those before it."""
+"""A task coordinate is independent if the motors move it by at least this share, apart from the
+coordinates before it."""
 
 SIDE = 21
-"""Poses along a side of the map of another robot than the 3-PSP."""
+"""Poses along a side of the map, for robots other than the 3-PSP."""
 
 ENDS = {
     "limit": "limit of {}",
@@ -50,8 +51,8 @@ def workspace(
         typer.Option(
             metavar="NAME",
             help=(
-                "3-PSP: tilt (unless given) maps the orientations of the star, tip the tip "
-                "positions within reach. Another robot: two coordinates of its task, such as x,z."
+                "3-PSP: tilt (default) maps the orientations of the star, tip maps the tip "
+                "positions within reach. Other robots: two coordinates of the task, such as x,z."
             ),
         ),
     ] = None,
@@ -59,22 +60,20 @@ def workspace(
         float | None,
         typer.Option(
             metavar="DEGREES",
-            help="3-PSP, over tilt: largest tilt (degrees), below 90; 60 unless given.",
+            help="3-PSP, over tilt: largest tilt (degrees), below 90; default 60.",
         ),
     ] = None,
     frame: Annotated[
         str | None,
-        typer.Option(
-            metavar="NAME", help="Another robot: the frame that is to move; tip unless given."
-        ),
+        typer.Option(metavar="NAME", help="Other robots: the frame that moves; default tip."),
     ] = None,
     task: Annotated[
         str | None,
         typer.Option(
             metavar="NAME,NAME",
             help=(
-                "Another robot: coordinates of the frame that the motors drive, of x, y, z, rx, ry "
-                "and rz; the first independent ones unless given."
+                "Other robots: coordinates of the frame that the motors drive, from x, y, z, rx, "
+                "ry and rz; default the first independent ones."
             ),
         ),
     ] = None,
@@ -85,24 +84,24 @@ def workspace(
             max=1000,
             metavar="N",
             help=(
-                "2 to 1000. 3-PSP: poses from the middle to the border, 60 unless given; twice as "
-                f"many around. Another robot: poses along a side, {SIDE} unless given."
+                "2 to 1000. 3-PSP: poses from the center to the border, default 60; twice as many "
+                f"around. Other robots: poses along a side, default {SIDE}."
             ),
         ),
     ] = None,
     figure: FigureFile = None,
     json: Json = False,
 ) -> None:
-    """Map what the poses cost, and where they end.
+    """Map the workspace: its limits, and the quality of its poses.
 
-    Of the 3-PSP the map holds tilt, parasitic motion, arm lengths and conditioning; of another
-    robot limits, singularities and conditioning. Prints the extremes; the whole map goes to
+    For the 3-PSP the map holds tilt, parasitic motion, arm lengths and conditioning; for other
+    robots limits, singularities and conditioning. Prints the extremes; the whole map goes to
     --figure or --json.
     """
     if robot.is_of_thesis:
         for option, value in (("--frame", frame), ("--task", task)):
             if value is not None:
-                raise usage_error(f"{option} is for other robots; of the 3-PSP give --over")
+                raise usage_error(f"{option} is for other robots; for the 3-PSP give --over")
         _check_tilt(over, largest_tilt)
         _map_of_thesis(robot, over or TILT, largest_tilt, resolution or 60, figure, json)
         return
@@ -127,7 +126,7 @@ def workspace(
 
 def _check_tilt(over: str | None, largest_tilt: float | None) -> None:
     if over not in (None, TILT, TIP):
-        raise usage_error(f"--over of the 3-PSP must be {TILT} or {TIP}, got {over!r}")
+        raise usage_error(f"--over must be {TILT} or {TIP} for the 3-PSP, got {over!r}")
     if over == TIP and largest_tilt is not None:
         raise usage_error(
             "--largest-tilt does not apply to --over tip, which ends where the tip folds"
@@ -160,7 +159,7 @@ def _map_of_thesis(
         )
     else:
         poses = study.map_over_reach(robot, outward, around)
-    # Multiples of 5 degrees hold the six directions in which everything is extreme.
+    # Multiples of 5 degrees include the six directions in which all quantities have their extremes.
     directions = np.radians(np.arange(-180.0, 181.0, 5.0))
     fold, border, ends = (
         study.fold_tilt(robot, directions),
@@ -271,16 +270,16 @@ def _driven(robot: ClosedLoopRobot, frame: str) -> tuple[str, ...]:
     if len(names) < robot.commanded:
         raise usage_error(
             f"the motors of {robot.title} move {frame} in "
-            f"{listed(names) if names else 'no coordinate'} only: give --frame, one that moves in "
-            f"as many coordinates as they command, {robot.commanded}"
+            f"{listed(names) if names else 'no coordinate'} only: give a --frame that moves in as "
+            f"many coordinates as they command, {robot.commanded}"
         )
     return names
 
 
 def _mapped(space: Workspace, over: str | None) -> tuple[str, ...]:
-    """Return the coordinates of the map: two, or the only one that there is."""
+    """Return the coordinates of the map: two, or one if there is only one."""
     if over is None:
-        # Two lengths or two angles where there are two: their map has a border and an area.
+        # Two lengths or two angles if possible, because only their map has a border and an area.
         for unit in ("m", "rad"):
             alike = [name for name in space.coordinates if space.units[name] == unit]
             if len(alike) > 1:
@@ -296,7 +295,7 @@ def _mapped(space: Workspace, over: str | None) -> tuple[str, ...]:
 
 
 def _rays(space: Workspace) -> dict[str, tuple[Reach, Reach]]:
-    """Return how far each coordinate can go down and up from the reference pose."""
+    """Return how far each coordinate can decrease and increase from the reference pose."""
     farthest = {"m": FARTHEST * space.analysis.length, "rad": FARTHEST_TURN}
     return {
         name: (
@@ -310,7 +309,7 @@ def _rays(space: Workspace) -> dict[str, tuple[Reach, Reach]]:
 def _map(
     space: Workspace, rays: dict[str, tuple[Reach, Reach]], names: tuple[str, ...], side: int
 ) -> KinematicMap:
-    """Map around the reference pose, somewhat farther than the rays go."""
+    """Map around the reference pose, slightly beyond the ends of the rays."""
     import numpy as np
 
     def values(name: str) -> Any:
@@ -323,7 +322,7 @@ def _map(
 
 
 def _border(space: Workspace, poses: KinematicMap) -> Any:
-    """Return the border of the usable poses, None where it has no area."""
+    """Return the border of the usable poses; None if it encloses no area."""
     if len(poses.grid) != 2 or len({poses.units[name] for name in poses.grid}) != 1:
         return None
     return space.boundary(poses)

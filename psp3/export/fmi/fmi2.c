@@ -1,9 +1,9 @@
 /* The functions of FMI 2.0 for co-simulation; see instance.h.
  *
- * The declarations are those of the standard (https://fmi-standard.org), written anew for the part
- * of it that is here. A program that has the header fmi2Functions.h of the standard includes it
- * first, and it is used instead. Where several FMUs are linked into one program, define
- * FMI2_FUNCTION_PREFIX as the standard says: a prefix for the names of all functions.
+ * The declarations follow the standard (https://fmi-standard.org), rewritten for the part of it
+ * that is used here. A program that has the standard's header fmi2Functions.h includes it first,
+ * and it replaces them. If several FMUs are linked into one program, define FMI2_FUNCTION_PREFIX
+ * as the standard says: a prefix for the names of all functions.
  */
 #include "instance.h"
 
@@ -72,8 +72,8 @@ typedef struct {
     char *name;
 } component;
 
-/* Tell why something is an error. The words are the format themselves: not all programs that are
- * told fill in further arguments. */
+/* Log the reason of an error. The text is passed as the format itself, because some importing
+ * programs do not fill in further arguments. */
 static void tell(const fmi2CallbackFunctions *callbacks, fmi2String name, const char *why)
 {
     char words[2 * sizeof ((instance *)0)->problem];
@@ -97,7 +97,7 @@ static fmi2Status refused(component *c, const char *why)
     return fmi2Error;
 }
 
-/* Return the status of what went well or not. */
+/* Return the status for success or failure. */
 static fmi2Status status_of(component *c, int went)
 {
     return went ? fmi2OK : refused(c, c->it.problem);
@@ -121,7 +121,7 @@ FMI2_Export const char *FMI2(fmi2GetVersion)(void)
 FMI2_Export fmi2Status FMI2(fmi2SetDebugLogging)(fmi2Component c, fmi2Boolean loggingOn,
                                                  size_t nCategories, const fmi2String categories[])
 {
-    /* Errors are always told, and nothing else. */
+    /* Only errors are logged, and they always are. */
     (void)c;
     (void)loggingOn;
     (void)nCategories;

@@ -1,9 +1,9 @@
 /* The functions of FMI 3.0 for co-simulation; see instance.h.
  *
- * The declarations are those of the standard (https://fmi-standard.org), written anew for the part
- * of it that is here. A program that has the header fmi3Functions.h of the standard includes it
- * first, and it is used instead. Where several FMUs are linked into one program, define
- * FMI3_FUNCTION_PREFIX as the standard says: a prefix for the names of all functions.
+ * The declarations follow the standard (https://fmi-standard.org), rewritten for the part of it
+ * that is used here. A program that has the standard's header fmi3Functions.h includes it first,
+ * and it replaces them. If several FMUs are linked into one program, define FMI3_FUNCTION_PREFIX
+ * as the standard says: a prefix for the names of all functions.
  */
 #include "instance.h"
 
@@ -107,7 +107,7 @@ static fmi3Status refused(fmi3Instance instance, const char *why)
     return fmi3Error;
 }
 
-/* Return the status of what went well or not. */
+/* Return the status for success or failure. */
 static fmi3Status status_of(component *c, int went)
 {
     return went ? fmi3OK : refused(c, c->it.problem);
@@ -126,7 +126,7 @@ FMI3_Export const char *FMI3(fmi3GetVersion)(void)
 FMI3_Export fmi3Status FMI3(fmi3SetDebugLogging)(fmi3Instance instance, fmi3Boolean loggingOn,
                                                  size_t nCategories, const fmi3String categories[])
 {
-    /* Errors are always told, and nothing else. */
+    /* Only errors are logged, and they always are. */
     (void)instance;
     (void)loggingOn;
     (void)nCategories;
@@ -289,7 +289,7 @@ FMI3_Export fmi3Status FMI3(fmi3SetFloat64)(fmi3Instance instance,
     return status_of(c, set_values(&c->it, valueReferences, nValues, values));
 }
 
-/* Values of all other types, which no variable has. */
+/* Values of the other types. No variable has these types. */
 #define NONE_OF(type)                                                                             \
     FMI3_Export fmi3Status FMI3(fmi3Get##type)(fmi3Instance instance,                              \
                                                const fmi3ValueReference valueReferences[],         \
@@ -637,7 +637,7 @@ FMI3_Export fmi3Status FMI3(fmi3DoStep)(fmi3Instance instance,
     return status_of(c, went);
 }
 
-/* What is for other kinds of simulation is here, too, because programs look for all functions. */
+/* Functions for other kinds of simulation exist as well, because importers load all functions. */
 
 FMI3_Export fmi3Status FMI3(fmi3EnterContinuousTimeMode)(fmi3Instance instance)
 {
@@ -669,7 +669,7 @@ FMI3_Export fmi3Status FMI3(fmi3SetContinuousStates)(fmi3Instance instance,
     return refused(instance, CO_SIMULATION_ONLY);
 }
 
-/* Arrays for integrators of others, which here integrate nothing. */
+/* Functions for external integrators, which have nothing to integrate here. */
 #define NO_ARRAY(name)                                                                             \
     FMI3_Export fmi3Status FMI3(name)(fmi3Instance instance, fmi3Float64 values[], size_t count)    \
     {                                                                                              \

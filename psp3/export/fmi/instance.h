@@ -1,7 +1,7 @@
-/* An instance of an FMU, whichever version of FMI it is asked through.
+/* An instance of an FMU, shared by all versions of FMI.
  *
- * model.h, which is written with each FMU, has the model: its values, its state, and what begins
- * it and moves it on. Nothing here is written to but instances, so that there can be many at once.
+ * model.h, which is written for each FMU, has the model: its values, its state, and the functions
+ * that start and advance it. Only instances are written to, so there can be many at once.
  */
 #ifndef INSTANCE_H
 #define INSTANCE_H
@@ -19,10 +19,10 @@ enum phase { INSTANTIATED, INITIALIZING, RUNNING, TERMINATED, FAILED };
 #define INITIALIZED "the FMU is initialized already: reset it first"
 #define NO_DERIVATIVES "this FMU offers no derivatives"
 
-/* Share of a period by which times may be off: of what rounding does to them. */
+/* Tolerance of times for rounding errors, as a share of a period. */
 #define TIME_TOLERANCE 1e-6
 
-/* All that an instance remembers, without a pointer: it is saved by copying it. */
+/* The state of an instance. It has no pointers, so a copy saves it. */
 typedef struct {
     double values[MODEL_VALUES];
     model_state model;
@@ -56,7 +56,7 @@ static int fail(instance *it, double time, int code)
     return 0;
 }
 
-/* Put the model where it begins, with the outputs of that; tell whether that went well. */
+/* Set the initial state of the model and its outputs; return whether this succeeded. */
 static int begin_instance(instance *it)
 {
     int code;
@@ -74,7 +74,7 @@ static int begin_instance(instance *it)
     return 1;
 }
 
-/* Begin the initialization; tell whether that went well. */
+/* Begin the initialization; return whether this succeeded. */
 static int enter_initialization(instance *it)
 {
     if (it->now.phase != INSTANTIATED) {
@@ -85,7 +85,7 @@ static int enter_initialization(instance *it)
     return 1;
 }
 
-/* End the initialization, after which there are steps; tell whether that went well. */
+/* End the initialization, after which steps are allowed; return whether this succeeded. */
 static int exit_initialization(instance *it)
 {
     if (it->now.phase != INITIALIZING) {
@@ -109,7 +109,7 @@ static int may_be_read(instance *it, size_t place)
     return 1;
 }
 
-/* Get values; before the first step outputs are those of the beginning. */
+/* Get values; before the first step outputs are those of the initial state. */
 static int get_values(instance *it, const unsigned int places[], size_t count, double values[])
 {
     size_t i;
@@ -152,14 +152,14 @@ static int set_values(instance *it, const unsigned int places[], size_t count,
     return 1;
 }
 
-/* Return a time in whole periods, or -1 if it is no whole number of them. */
+/* Return a time as a number of periods, or -1 if that is not a whole number. */
 static double in_periods(double time)
 {
     double count = floor(time / MODEL_PERIOD + 0.5);
     return fabs(time - count * MODEL_PERIOD) <= TIME_TOLERANCE * MODEL_PERIOD ? count : -1.0;
 }
 
-/* Go on by a whole number of periods, inputs constant; tell whether that went well. */
+/* Advance by a number of periods with constant inputs; return whether this succeeded. */
 static int move_on(instance *it, double time, double duration)
 {
     double first = in_periods(time - it->now.start_time), count = in_periods(duration), k;

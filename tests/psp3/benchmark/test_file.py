@@ -97,7 +97,7 @@ def test_outcome_that_is_not_what_was_written_is_named_and_can_be_done_anew(
     some.add("one", OUTCOME)
     some.add("two", OUTCOME)
     change(path, f"UPDATE outcomes SET {column} = {value} WHERE key = 'one'")
-    with pytest.raises(InvalidStudyFile, match="does not have its checksum") as refusal:
+    with pytest.raises(InvalidStudyFile, match="does not match its checksum") as refusal:
         some.outcomes()
     change(path, str(refusal.value).split("(")[-1].rstrip(")"))
     assert some.outcomes() == {"two": OUTCOME}

@@ -131,7 +131,7 @@ def test_estimates_that_the_average_stood_in_for_are_said_and_only_these() -> No
     lost = {"ctc": np.full((2, 4, 2), 1e-4), "lost": np.full((2, 4, 2), 1e-3)}
     board = board_of(lost, fallbacks={"lost": 0.25})
     (said,) = [sentence for sentence in summary(board) if "the average" in sentence]
-    assert said.endswith("of the samples stood in: lost 25.0 %.")
+    assert said.endswith("of the samples replaced: lost 25.0 %.")
     entries = {one["name"]: one["replaced"] for one in board.as_numbers()["entries"]}
     assert entries == {"ctc": 0.0, "lost": 0.25}
 

@@ -59,7 +59,7 @@ WRONG_CALLS = tuple(
         ("simulate --kp -1", "got -1.0", "--kp must be finite and not negative"),
         ("simulate --period 0", "got 0.0", "--period must be finite and positive"),
         ("simulate --duration -1", "got -1.0", "--duration must be finite and positive"),
-        ("simulate --torque-limit 0", "'0'", "positive numbers, separated by commas"),
+        ("simulate --torque-limit 0", "'0'", "is not a list of positive numbers"),
         ("simulate --torque-limit 1,2", "1,2 has 2 numbers", "3 are needed"),
         ("torques --sampling-period 0", "got 0.0", "--sampling-period must be finite and positive"),
         ("study new.sqlite --seeds 0", "got '0'", "should be greater than or equal to 1"),

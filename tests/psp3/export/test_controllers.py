@@ -250,7 +250,7 @@ def test_the_header_says_what_a_user_must_know() -> None:
         "kv = 10",
         "50 times the integral",
         "forces of the motors [N m]",
-        "returns: 1, or 0 where the torque is not finite",
+        "returns: 1; or 0 if the torque is not finite",
         f"by psp3 {psp3.__version__}",
         "int arm_step(arm_state *state, double t, const double positions[2]",
         "void arm_reset(arm_state *state);",

@@ -606,7 +606,7 @@ def test_terms_that_leave_the_path_uncovered_are_refused(recorded: Record, kind:
     The greatest firing is 0.5^(4/width²) at the worst.
     """
     with pytest.raises(
-        InvalidValue, match="term_width must be great enough for a rule to fire everywhere"
+        InvalidValue, match="term_width must be large enough for a rule to fire everywhere"
     ):
         learned(recorded, kind=kind, term_width=0.001)
     narrow = learned(recorded, kind=kind, term_width=0.1, snr_db=math.inf)

@@ -58,7 +58,7 @@ def test_what_numpy_writes_is_read_bit_for_bit(tmp_path: Path, save: object) -> 
         (header((-1, -1)) + bytes(8), "impossible shape"),
         (header((1,) * 20) + bytes(8), "impossible shape"),
         (header((1,), "|O") + b"\x80\x04N.", "holds object"),
-        (header((1,), "|b1") + b"\x02", "no truth values"),
+        (header((1,), "|b1") + b"\x02", "not booleans"),
         (header((1,), "<M8[s]") + bytes(8), "holds datetime64"),
         (b"\x93NUMPY\x09\x00", "another version"),
         (b"nothing", "magic"),
@@ -115,7 +115,7 @@ def test_a_changed_byte_of_the_numbers_is_noticed(tmp_path: Path) -> None:
 def test_what_is_no_zip_is_refused(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "a.npz"
     path.write_bytes(content)
-    with pytest.raises(ValueError, match="no zip"):
+    with pytest.raises(ValueError, match="not a zip file"):
         arrays_of(path)
     with pytest.raises(FileNotFoundError):
         arrays_of(tmp_path / "none.npz")

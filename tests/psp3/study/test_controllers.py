@@ -70,5 +70,5 @@ def test_record_is_that_of_the_path_and_the_gains_learned_with() -> None:
 
 
 def test_noise_of_a_model_at_run_time_needs_a_model_of_ours() -> None:
-    with pytest.raises(InvalidValue, match="whose M, C and G are its own"):
+    with pytest.raises(InvalidValue, match="which has its own M, C and G"):
         execute(Run("adaptive-t1", "online", 20.0, duration=0.1))

@@ -126,9 +126,9 @@ def test_an_entry_is_named_by_where_it_is() -> None:
 @pytest.mark.parametrize(
     ("place", "words"),
     [
-        ("no_such_module:Name", r"can be imported here .* PYTHONPATH"),
-        ("psp3:NoSuchName", "can be imported here"),
-        ("psp3.version:package_version", "can be imported here"),
+        ("no_such_module:Name", r"that can be imported .* PYTHONPATH"),
+        ("psp3:NoSuchName", "that can be imported"),
+        ("psp3.version:package_version", "that can be imported"),
     ],
 )
 def test_what_cannot_be_imported_is_refused(place: str, words: str) -> None:
@@ -139,7 +139,7 @@ def test_what_cannot_be_imported_is_refused(place: str, words: str) -> None:
 def test_what_is_no_controller_is_refused() -> None:
     with pytest.raises(InvalidValue, match="reset"):
         execute(Run(f"{__name__}:is_estimator", duration=0.1))
-    with pytest.raises(InvalidValue, match="whose M, C and G are its own"):
+    with pytest.raises(InvalidValue, match="which has its own M, C and G"):
         execute(Run(f"{__name__}:Linear", "online", 20.0, duration=0.1))
     with pytest.raises(InvalidValue, match="predict"):
         EstimatedComputedTorque(object(), psp3.load("five_bar"), 1.0, 1.0)

@@ -342,7 +342,7 @@ def test_bit_that_fell_over_on_the_disk_is_named(path: Path, bit: int) -> None:
     assert content.count(packed) == 1
     content[content.index(packed) + 7 - bit // 8] ^= 1 << bit % 8
     path.write_bytes(content)
-    with pytest.raises(InvalidStudyFile, match="does not have its checksum") as refusal:
+    with pytest.raises(InvalidStudyFile, match="does not match its checksum") as refusal:
         StudyFile(path).rows()
     assert str(run) in str(refusal.value)
 
@@ -352,7 +352,7 @@ def test_bit_that_fell_over_on_the_disk_is_named(path: Path, bit: int) -> None:
 def test_row_of_what_is_no_number_is_named(path: Path, column: str, value: str) -> None:
     fill(path)
     change(path, f"UPDATE runs SET {column} = {value} WHERE seed = 1 AND setting = 2")
-    with pytest.raises(InvalidStudyFile, match="something else than numbers") as refusal:
+    with pytest.raises(InvalidStudyFile, match="values that are not numbers") as refusal:
         StudyFile(path).rows()
     assert "the row of Run(controller='t1'" in str(refusal.value)
     assert "seed=1)" in str(refusal.value)
@@ -375,7 +375,7 @@ def test_row_without_its_setting_is_named(path: Path) -> None:
     change(path, "UPDATE runs SET setting = 99 WHERE seed = 1 AND setting = 2")
     with pytest.raises(InvalidStudyFile, match="has no setting"):
         fill(path)
-    with pytest.raises(InvalidStudyFile, match="setting 99, which is not there") as refusal:
+    with pytest.raises(InvalidStudyFile, match="setting 99, which is missing") as refusal:
         StudyFile(path).rows()
     change(path, str(refusal.value).split("(")[-1].rstrip(")"))
     assert len(StudyFile(path).rows()) == len(RUNS) - 1
@@ -423,11 +423,12 @@ def columns_of(path: Path, table: str) -> list[str]:
 def test_note_that_is_not_what_was_written_is_named(path: Path, note: str, value: str) -> None:
     file = fill(path)
     change(path, f"UPDATE meta SET value = '{value}' WHERE name = '{note}'")
+    message = f"its note of {note} differs from what was written"
     for read in (file.rows, lambda: StudyFile(path), file.adding().__enter__):
-        with pytest.raises(InvalidStudyFile, match=f"its note of {note} is not what was written"):
+        with pytest.raises(InvalidStudyFile, match=message):
             read()
     change(path, f"DELETE FROM meta WHERE name = '{note}'")
-    with pytest.raises(InvalidStudyFile, match=f"its note of {note} is not what was written"):
+    with pytest.raises(InvalidStudyFile, match=message):
         file.rows()
 
 
@@ -436,7 +437,7 @@ def test_rows_that_are_lost_are_noticed_and_done_anew(path: Path) -> None:
     fill(path)
     change(path, "DROP TRIGGER removed", "DELETE FROM runs WHERE seed = 1")
     count = len(RUNS) - len([run for run in RUNS if run.seed == 1])
-    message = f"holds {count} rows, and {len(RUNS)} were written"
+    message = f"holds {count} rows, but {len(RUNS)} were written"
     with pytest.raises(InvalidStudyFile, match=message) as refusal:
         StudyFile(path).rows()
     with pytest.raises(InvalidStudyFile, match=message):
@@ -561,7 +562,7 @@ def test_file_of_the_first_format_is_refused_with_what_to_do(path: Path) -> None
         "PRAGMA user_version = 1",
     )
     before = path.read_bytes()
-    with pytest.raises(StudyMismatch, match=r"psp3 that wrote it.*another file.*done anew"):
+    with pytest.raises(StudyMismatch, match=r"psp3 that wrote it.*another file.*done again"):
         StudyFile(path, SHARED)
     assert path.read_bytes() == before
 

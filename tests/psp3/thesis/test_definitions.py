@@ -54,7 +54,7 @@ def test_the_definition_under_which_type_2_wins_is_named_and_no_other() -> None:
 
 
 def test_noise_on_gravity_is_no_second_effect_beside_noise_on_all() -> None:
-    said = "noise on G alone is part of the first, and no second effect"
+    said = "noise on G alone is part of the first, not a second effect"
     made_up = rows(it2=2.0)
     for row in made_up:
         if row["controller"] == "it2" and row["noisy_entries"] == "gravity":

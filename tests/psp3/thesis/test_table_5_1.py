@@ -260,7 +260,7 @@ def test_bad_input_is_refused(
 
 def test_what_is_believed_to_be_zero_or_weightless_is_refused() -> None:
     base = base_parameters(all_parameters(psp3.load("planar_3rrr")))
-    with pytest.raises(InvalidValue, match="something else than zero"):
+    with pytest.raises(InvalidValue, match="not zero in the robot's model"):
         implied_parameters(base, np.full(3, 0.9), np.eye(3), np.ones(3))
     floating = psp3.load("psp3", parameters=psp3.Parameters(gravity=0.0))
     with pytest.raises(InvalidValue, match="gravity of the model"):

@@ -67,7 +67,7 @@ def test_ctrl_c_says_what_is_kept(psp3_command: Run, monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(library, "execute", interrupted)
     status, _, err = psp3_command("benchmark", "lqr", *QUICK)
     assert status == 130
-    assert "0 of 2 runs are in benchmark; the same command goes on from there" in words(err)
+    assert "0 of 2 runs are in benchmark; run the same command to continue" in words(err)
 
 
 @pytest.mark.parametrize(

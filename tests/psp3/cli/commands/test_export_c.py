@@ -109,14 +109,14 @@ def test_controller_with_limits_of_a_robot_from_files(psp3_command: Run) -> None
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        (("five_bar", "psp3", "--out", "f"), "five_bar is a robot itself"),
-        (("five_bar", "--torque-limit", "1", "--out", "f"), "five_bar, which is no controller"),
+        (("five_bar", "psp3", "--out", "f"), "five_bar is a robot: leave out psp3"),
+        (("five_bar", "--torque-limit", "1", "--out", "f"), "five_bar, which is not a controller"),
         (("x.json", "--actuated", "a", "--out", "f"), "--actuated is an option of a robot"),
         (("nobody", "--out", "f"), "nobody"),
         (("missing.fis", "--out", "f"), "missing.fis: No such file"),
         (("missing.json", "--out", "f"), "missing.json: No such file"),
         (("five_bar", "--out", "no/where"), "there is no directory no"),
-        (("five_bar", "--out", "file"), "file is no directory"),
+        (("five_bar", "--out", "file"), "file is not a directory"),
         (("five_bar",), "Missing option '--out'"),
         (("five_bar", "--out", "f", "--name", "main"), "name must be none of calls"),
         (("five_bar", "--out", "f", "--precision", "half"), "'half' is not one of"),

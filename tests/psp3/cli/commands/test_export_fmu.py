@@ -100,7 +100,7 @@ def test_trained_controller_from_its_file(
     answer = psp3_command("export", "fmu", "t1.json", "--out", "t1.fmu", "--name", "law")
     assert answer.status == 0
     assert "outputs: force_a1, force_a2, force_a3" in answer.out
-    assert "t1.fmu holds source code alone" in answer.out
+    assert "t1.fmu holds only source code" in answer.out
     assert "there is no gcc" in words(answer.err)
     with zipfile.ZipFile("t1.fmu") as archive:
         assert "sources/code_law.c" in archive.namelist()
@@ -109,10 +109,10 @@ def test_trained_controller_from_its_file(
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        (("five_bar", "delta"), "five_bar is a robot itself"),
-        (("x.json", "--free", "keep"), "--free is an option of a robot: name that of x.json"),
+        (("five_bar", "delta"), "five_bar is a robot: leave out delta"),
+        (("x.json", "--free", "keep"), "--free is an option of a robot: give the robot of x.json"),
         (("delta", "--torque-limit", "1,2"), "--torque-limit 1,2 has 2 numbers; 3 are needed"),
-        (("delta", "--torque-limit", "-1"), "are not positive numbers"),
+        (("delta", "--torque-limit", "-1"), "is not a list of positive numbers"),
         (("delta", "--motor-inertia", "1"), "lead must be given where the motor has inertia"),
         (("delta", "--coulomb-friction", "-1"), "--coulomb-friction must be"),
         (("delta", "--fmi", "1.0"), "'1.0' is not one of"),
@@ -121,7 +121,7 @@ def test_trained_controller_from_its_file(
         (("rules.fis",), "rules.fis: No such file"),
         (("system.json", "--steps", "2"), "--steps does not apply to system.json, which is no"),
         (("system.json",), "it is no model"),
-        (("system.json", "psp3"), "ROBOT is for controllers, and system.json is none"),
+        (("system.json", "psp3"), "ROBOT is for controllers, but system.json is not a controller"),
     ],
 )
 def test_what_is_refused(psp3_command: Run, given: tuple[str, ...], message: str) -> None:

@@ -273,7 +273,7 @@ def test_interrupt_leaves_a_valid_file_and_says_how_to_go_on(study: Run, tmp_pat
     kept = count_rows(tmp_path / "study.sqlite")
     assert 3 <= kept < 200
     assert err.splitlines()[-2:] == [
-        f"{kept} of 200 runs are in study.sqlite; the same command goes on from there",
+        f"{kept} of 200 runs are in study.sqlite; run the same command to continue",
         "psp3: interrupted",
     ]
     status, _, err = study(*arguments[2:], "--duration", 2, "--seeds", kept + 1)

@@ -66,7 +66,7 @@ def test_a_controller_is_trained_on_measured_forces(psp3_command: Run) -> None:
         (("--record", "none.csv", "--snr", "20"), "--snr does not apply to --record"),
         (("--terms", "5"), "use fewer terms, or take --learner strict"),
         (("delta", "--learner", "strict"), "needs a grid: give --terms"),
-        (("--coriolis", "mass"), "'rules', of a robot whose M is learned from speeds"),
+        (("--coriolis", "mass"), "'rules' for a robot whose M is learned from speeds"),
     ],
 )
 def test_a_record_that_cannot_be_learned_from_is_refused(
