@@ -118,7 +118,7 @@ class Clusters:
             raise InvalidValue("X", points, f"finite and of shape (..., {width})")
         # Points and centers are scaled by the larger of both, so that squares of distant points do
         # not overflow.
-        scale = max(binary_exponent(points), binary_exponent(self.centers), key=abs)
+        scale = binary_exponent(np.concatenate([points.ravel(), self.centers.ravel()]))
         found = _memberships(
             _squared_distances(
                 np.ldexp(points.reshape(-1, width), -scale), np.ldexp(self.centers, -scale)

@@ -205,6 +205,9 @@ def _grid(
         covered[i] if domain is None else ascending_pair("domain", domain)
         for i, domain in zip(varied, given, strict=True)
     ]
+    for left, right in ends:
+        if left == right:
+            raise InvalidValue("domain", (left, right), "two different numbers")
     points = [np.linspace(left, right, count) for left, right in ends]
     X = np.broadcast_to(middle, (*(count,) * len(points), middle.size)).copy()
     for i, values in zip(varied, np.meshgrid(*points, indexing="ij"), strict=True):

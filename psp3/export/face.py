@@ -74,7 +74,7 @@ def export_c(
     precision : {"double", "single"}
         Precision of all numbers.
     name : str, optional
-        Prefix of all names, and stem of the file names.
+        Prefix of all names, and stem of the file names: an identifier of C.
     **options
         Further options of the kind of thing.
 

@@ -53,6 +53,9 @@ _C_FILES, _SHARED = Path(__file__).with_name("fmi"), "instance.h"
 _LONGEST = 200
 """Greatest length of an identifier, which leaves room for endings in a file name."""
 
+LONGEST_PERIOD = 1e6
+"""Longest control period [s]; a longer one is a mistake."""
+
 _BEGINNING = (1980, 1, 1, 0, 0, 0)
 _STANDARDS = {standard.version: standard for standard in (FMI2, FMI3)}
 
@@ -152,6 +155,8 @@ def export_fmu(
         If the FMU has no binary.
     """
     path, period = checked_path("path", path), checked_positive("period", period)
+    if period > LONGEST_PERIOD:
+        raise InvalidValue("period", period, f"at most {LONGEST_PERIOD:g} s")
     if path.suffix.lower() != ".fmu":
         raise InvalidValue("path", str(path), "a name that ends in .fmu")
     if name is not None:

@@ -93,8 +93,8 @@ def robot_code(
             "a psp3.ClosedLoopRobot of the same parts",
         )
     if name is not None:
-        checked_kind("name", name, str, "text that an identifier of C can be made from")
-    prefix = robot_text.identifier(name) if name else robot_text.prefix_of(robot.model.name)
+        checked_kind("name", name, str, "an identifier of C")
+    prefix = robot_text.prefix_of(robot.model.name) if name is None else name
     if isinstance(table, ClosedForm):
         return closed_form.code_of(robot, table, precision, prefix, frames, functions)
     return _Robot(robot, table, precision, frames, functions, most_attempts).code(prefix)

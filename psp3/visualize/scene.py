@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import base64
 import gzip
+import itertools
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self
@@ -434,11 +435,16 @@ def _legend(frames: Mapping[str, Frames], newtons: float) -> list[dict[str, str]
 def _hull(points: Array) -> Array:
     """Return the corners of the convex hull.
 
-    A view that contains these corners contains all points.
+    A view that contains these corners contains all points. If rounding makes the hull flat, as very
+    far from the origin, the corners are those of the bounding box.
     """
-    from scipy.spatial import ConvexHull
+    from scipy.spatial import ConvexHull, QhullError
 
-    corners: Array = points[ConvexHull(points).vertices].round(3)
+    try:
+        corners: Array = points[ConvexHull(points).vertices].round(3)
+    except QhullError:
+        ends = [points.min(axis=0), points.max(axis=0)]
+        corners = np.array(list(itertools.product(*np.transpose(ends)))).round(3)
     return corners
 
 

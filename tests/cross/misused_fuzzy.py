@@ -537,6 +537,7 @@ def of_learning() -> Iterator[tuple[str, Call]]:
         Call(
             fuzzy2.subtractive_clustering,
             {"X": X, "radius": 0.5, "squash": 1.5, "sample_weight": None},
+            {"X": ("one entry too many", "one entry too few")},
         ),
     )
     clusters = fuzzy2.fuzzy_c_means(X, 2)
@@ -829,7 +830,12 @@ def of_figures() -> Iterator[tuple[str, Call]]:
             Call(
                 getattr(plots, name),
                 {**given, "axes": None},
-                {"held": ("None", *(OF_NO_MATTER if "surface" in name else ()))},
+                {
+                    "held": ("None", *(OF_NO_MATTER if "surface" in name else ())),
+                    "domain": ("None",),
+                    "grade_t_norm": ("None",),
+                    "x": ("one entry too many", "one entry too few"),
+                },
                 reads=lambda panels: None,
             ),
         )

@@ -196,7 +196,7 @@ REFUSED: dict[str, tuple[str, str, type[PSP3Error], str]] = {
             motors("m1"),
         ),
         LoopsDoNotClose,
-        r"loop 'loop' stays open by 2\.",
+        r"loop 'loop' stays open by at least 2\.",
     ),
     "a link that is misspelt": (
         "urdf",

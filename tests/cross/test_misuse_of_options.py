@@ -300,6 +300,8 @@ def fault(option: Option, kind: str, value: str) -> str:
         return f"not one line: {err[:400]!r}"
     if len(err) > 2500:
         return f"{len(err)} characters"
+    if APART.get(option.title, "\n") in err:
+        return ""
     if option.name in OF_MOTIONS and any(words in err for words in LEADS_AWAY):
         return ""
     return "" if repeats(option, value, err) else f"does not repeat it: {err[:300]}"
@@ -307,6 +309,9 @@ def fault(option: Option, kind: str, value: str) -> str:
 
 REPORTS = ("check",)
 """A command about files says of each what is wrong with it: refusals are its answer, in a table."""
+
+APART = {"export c torque_limit": "does not apply to psp3, which is not a controller"}
+"""What is said of an option that the rest of its command has no use for."""
 
 LEADS_AWAY = ("asks for", "from the vertical axis", "could not be closed")
 """An error about where a motion leads says where and when that is."""

@@ -89,9 +89,8 @@ def c(
     elif torque_limit is not None:
         steered = robot_of(written) if robot is None else robot
         options["torque_limit"] = one_or_each("--torque-limit", torque_limit, steered.actuated)
-    code = export_project(
-        written, out, precision=precision.value, name=name or identifier(thing.thing), **options
-    )
+    prefix = identifier(thing.thing) if name is None else name
+    code = export_project(written, out, precision=precision.value, name=prefix, **options)
     say(
         f"{code.name}.c and {code.name}.h are in {out}, with {len(code.functions)} "
         f"function{'s' if len(code.functions) > 1 else ''}; 'make -C {out} test' compares what "

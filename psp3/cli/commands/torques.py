@@ -45,6 +45,7 @@ def torques(
     import numpy as np
 
     from psp3.checks import check_periods, checked_positive
+    from psp3.errors import InvalidValue
     from psp3.trajectories.screw_forces import screw_forces
 
     for name, value in (("duration", motion.duration), ("sampling period", sampling_period)):
@@ -52,6 +53,10 @@ def torques(
             checked_positive(name, value)
     desired, seconds, name_of_motion = trajectory_from_options(which, trajectory, motion)
     check_periods(seconds, sampling_period, MOST_SAMPLES)
+    if sampling_period > seconds:
+        raise InvalidValue(
+            "sampling period", sampling_period, f"at most the duration, {seconds:g} s"
+        )
     # The small excess keeps the last sample in spite of rounding.
     times = sampling_period * np.arange(int(seconds / sampling_period * (1.0 + 1e-12) + 1e-9) + 1)
     forces = screw_forces(

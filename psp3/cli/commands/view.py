@@ -211,7 +211,7 @@ def _desired(
     """
     from psp3.errors import InvalidValue
 
-    chosen = text or ("circle" if robot.has_inverse_of_tip else None)
+    chosen = "circle" if text is None and robot.has_inverse_of_tip else text
     try:
         desired, seconds, _ = trajectory_from_options(robot, chosen, options)
     except InvalidValue:

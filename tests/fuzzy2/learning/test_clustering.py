@@ -267,3 +267,11 @@ def test_what_cannot_be_clustered_is_refused(arguments: tuple[Any, ...], words: 
 def test_points_of_another_kind_have_no_membership(points: Any) -> None:
     with pytest.raises(InvalidValue, match=r"shape \(\.\.\., 2\)"):
         fuzzy_c_means(blobs(5), 2).membership(points)
+
+
+def test_memberships_of_points_that_are_much_smaller_than_the_centers() -> None:
+    """They are all at the origin, compared with the centers; nothing overflows."""
+    X = np.random.default_rng(0).normal(size=(30, 2))
+    clusters = fuzzy_c_means(X, 2)
+    tiny = clusters.membership(np.full((1, 2), 1e-320))
+    np.testing.assert_allclose(tiny, clusters.membership(np.zeros((1, 2))), rtol=1e-15)

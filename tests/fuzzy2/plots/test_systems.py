@@ -90,3 +90,8 @@ def test_rule_surface_of_a_constant_type_1_system(drawn: list[Array]) -> None:
 def test_held_inputs_must_be_one_for_each_input() -> None:
     with pytest.raises(InvalidValue, match="one value for each of the 2 inputs"):
         plots.figure_of_response(SYSTEM, held=[1.0])
+
+
+def test_a_domain_must_have_two_different_ends() -> None:
+    with pytest.raises(InvalidValue, match="two different numbers"):
+        plots.figure_of_response(SYSTEM, domain=(1.0, 1.0))

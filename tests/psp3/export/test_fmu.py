@@ -757,6 +757,8 @@ def test_things_that_are_no_fmu_are_refused_by_name(tmp_path: Path, no_gcc: None
         export_fmu(robot, place, name="3-PSP")
     with pytest.raises(InvalidValue, match="period"):
         export_fmu(robot, place, period=-1.0)
+    with pytest.raises(InvalidValue, match="at most 1e\\+06 s"):
+        export_fmu(robot, place, period=1e30)
     with pytest.raises(InvalidValue, match="at most 200 letters"):
         export_fmu(robot, place, name="x" * 201)
     with pytest.raises(InvalidValue, match=r"ends in \.fmu, got '.*x\.zip'"):

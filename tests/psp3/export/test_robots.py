@@ -19,6 +19,7 @@ import pytest
 
 import fuzzy2
 import psp3
+from fuzzy2.errors import InvalidValue as Fuzzy2InvalidValue
 from fuzzy2.errors import NotExportable
 from fuzzy2.export.c_code import CCode
 from fuzzy2.export.systems import c_code_of
@@ -440,6 +441,9 @@ def test_what_cannot_be_written_is_refused() -> None:
         c_code(robot, frames=["nose"])
     with pytest.raises(InvalidValue, match="name"):
         c_code(robot, name=b"arm")  # type: ignore[arg-type]
+    for name in ("", "my arm", "3-PSP", "int"):
+        with pytest.raises(Fuzzy2InvalidValue, match="a letter first, no word of C"):
+            c_code(robot, name=name)
     with pytest.raises(UnknownName, match="inverse_dynamics"):
         c_code(robot, functions=["dynamics"])
     with pytest.raises(InvalidValue, match="functions"):

@@ -15,6 +15,7 @@ from selenium import webdriver
 import psp3
 from psp3.errors import InvalidArray, InvalidValue, UnreachablePose
 from psp3.visualize import Scene, write_animation
+from psp3.visualize.scene import _hull
 from tests.page_helpers import (
     HEIGHT,
     SIZES,
@@ -199,6 +200,16 @@ def test_forces_are_as_many_numbers_as_a_robot_has_motors_that_slide() -> None:
     Scene(five_bar).show(five_bar.reference, desired=five_bar.reference + 0.1)
     with pytest.raises(InvalidValue, match="sliding motors only"):
         Scene(five_bar).show(five_bar.reference, force=[1.0, 1.0])
+
+
+@pytest.mark.parametrize("size", [1.0, 1e30])
+def test_a_view_of_the_corners_contains_all_points(size: float) -> None:
+    """Also where rounding makes the hull flat: of points that differ by less than a digit."""
+    points = np.random.default_rng(0).normal(size=(20, 3))
+    points[:, 2] = size + (points[:, 2] if size == 1.0 else 0.0)
+    corners = _hull(points)
+    assert (corners.min(axis=0) <= points.min(axis=0) + 5e-4).all()
+    assert (corners.max(axis=0) >= points.max(axis=0) - 5e-4).all()
 
 
 # In motion
