@@ -87,7 +87,10 @@ class MotionOptions:
             parser=numbers,
             metavar="X,Y,Z",
             rich_help_panel=MOTION,
-            help="End of line and point-to-point, in the same form as --start.",
+            help=(
+                "End of line and point-to-point, given as --start: the tip (m) or the motors "
+                "(m, rad)."
+            ),
         ),
     ] = None
     travel_time: Annotated[

@@ -21,6 +21,10 @@ TEMPLATES = (
     "Badge: Python {python} or newer is needed to run it",
     "You need Linux, Python {python} or newer, make and pip.",
     (
+        "`make view` takes {first use/view} s of one core and downloads 1 GiB, and `make "
+        "reproduce` takes another {first use/reproduce} s, most of it to compile once"
+    ),
+    (
         "For the robots of the thesis the mass matrix, the velocity forces and gravity agree with "
         "those of MuJoCo, projected on the motions that the loops allow, to {bars/mujoco} of the "
         "largest entry in {bars/mujoco states} random states."

@@ -321,7 +321,7 @@ def test_systems_cross_process_boundaries(consequents: Array, X: Array) -> None:
         ({"t_norm": "median"}, UnknownName, "min"),
         ({"type_reduction": "weighted"}, UnknownName, "center_of_sets"),
         ({"method": "karnik"}, UnknownName, "eiasc"),
-        ({"type_reduction": "centroid"}, NotApplicable, "no sets"),
+        ({"type_reduction": "centroid"}, NotApplicable, "not sets"),
         ({"resolution": 1}, InvalidValue, "resolution"),
         ({"input_names": ["a", "b"]}, InvalidValue, "input_names"),
         ({"input_names": ["a", "b", "a"]}, InvalidValue, "different"),

@@ -176,7 +176,7 @@ def test_where_the_exact_model_takes_over_it_does(records: dict[str, Record]) ->
 
 
 def test_what_cannot_be_learned_is_refused_by_name(records: dict[str, Record]) -> None:
-    with pytest.raises(InvalidValue, match="coordinates are those of its motors"):
+    with pytest.raises(InvalidValue, match="whose coordinates are its motors"):
         FuzzyComputedTorque("t1", psp3.load("biped"))
     with pytest.raises(InvalidValue, match="recorded"):
         FuzzyComputedTorque("t1", ROBOTS["delta"]).learn(records["five_bar"])

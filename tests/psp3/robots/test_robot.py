@@ -56,7 +56,7 @@ def test_a_motion_of_the_tip_is_one_of_the_joints_or_refused(robot: psp3.ClosedL
             InvalidValue, match=r"inverse kinematics of its tip.*path of the joints"
         ):
             robot.motion_of_tip(point, velocity, acceleration)
-        with pytest.raises(InvalidValue, match="'joints' for another robot"):
+        with pytest.raises(InvalidValue, match="'joints': only the tip of the 3-PSP"):
             psp3.trajectories.Hold(point[0], robot, "tip")
         return
     positions, speeds, _ = robot.motion_of_tip(point, velocity, acceleration)
