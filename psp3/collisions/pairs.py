@@ -4,9 +4,9 @@ These are all pairs except those that touch where they are joined, and those tha
 
 A pair of links is left out if:
 
-* the links belong to one rigid body: fixed to each other, or joined by a 6D loop; * a joint
-connects their bodies, or a loop connects them at a point; * the SRDF excludes it:
-``<disable_collisions link1="a" link2="b" reason="..."/>``.
+* the links belong to one rigid body: fixed to each other, or joined by a 6D loop;
+* a joint connects their bodies, or a loop connects them at a point;
+* the SRDF excludes it: ``<disable_collisions link1="a" link2="b" reason="..."/>``.
 """
 
 from __future__ import annotations

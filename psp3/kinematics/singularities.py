@@ -13,11 +13,11 @@ pseudo-inverse if there are more motors than coordinates). Eliminating w gives :
 T`. There are three kinds of singularities:
 
 * ``actuation``, also called parallel or of the second type: :math:`N_a` loses rank, or equivalently
-the un-actuated columns :math:`\Phi^u` do. The robot can move with its motors locked, and there are
-forces that the motors cannot hold. * ``end_effector``, also called serial or of the first type:
-:math:`T` loses rank. The motors can move while the frame rests, and there are directions in which
-the frame cannot move. * ``constraint``: :math:`\Phi` itself loses rank, so the robot has more
-degrees of freedom here than
+  the un-actuated columns :math:`\Phi^u` do. The robot can move with its motors locked, and there
+  are forces that the motors cannot hold.
+* ``end_effector``, also called serial or of the first type: :math:`T` loses rank. The motors can
+  move while the frame rests, and there are directions in which the frame cannot move.
+* ``constraint``: :math:`\Phi` itself loses rank, so the robot has more degrees of freedom here than
   elsewhere; branches of its motion may meet. The motors are too few to determine the motion, so
   this is also a singularity of actuation.
 

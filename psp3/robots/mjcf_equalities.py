@@ -1,11 +1,13 @@
 """Write the closures and motors of an exported robot in MuJoCo's terms.
 
 * A closure becomes a weld (6D) or a connect (3D) between two sites. A hinge becomes two connects,
-at two points of its axis. * A coupling becomes a joint equality with its polynomial, and a held
-joint becomes one with a constant. * A ball joint whose spin is held can spin in MuJoCo. That is the
-same robot if the spinning body is a body of revolution about the axis of the spin, such as a rod
-between two balls, because the spin then has no effect. Any other held spin is refused. * A motor on
-a tendon becomes a fixed tendon with a motor.
+  at two points of its axis.
+* A coupling becomes a joint equality with its polynomial, and a held joint becomes one with a
+  constant.
+* A ball joint whose spin is held can spin in MuJoCo. That is the same robot if the spinning body is
+  a body of revolution about the axis of the spin, such as a rod between two balls, because the spin
+  then has no effect. Any other held spin is refused.
+* A motor on a tendon becomes a fixed tendon with a motor.
 
 Equalities join sites, not bodies, because the places of sites do not depend on the configuration in
 which MuJoCo compiles the model.

@@ -4,15 +4,15 @@ The URDF remains the source. The MJCF is written from the robot in memory, for M
 to read.
 
 * A joint becomes hinges, slides and balls on one body. If both engines have the same joint, its
-name and coordinate are the same; :func:`mujoco_state` converts the others. * Closures become
-equalities, see :mod:`psp3.robots.mjcf_equalities`. MuJoCo's constraints are
+  name and coordinate are the same; :func:`mujoco_state` converts the others.
+* Closures become equalities, see :mod:`psp3.robots.mjcf_equalities`. MuJoCo's constraints are
   springs; :data:`HARD` makes them as stiff as the time step allows. ``docs/engines.md`` has
   measurements of the remaining compliance.
 * A massless body, such as that between the two hinges of a universal joint, is merged with the body
-that it carries, because MuJoCo cannot move a massless body. Its frames and visuals are left out.
-Meshes and velocity limits are left out, too. * MuJoCo refuses an inertia that no rigid body can
-have. For a body that never rotates the inertia has no effect, so a possible one is written instead.
-For any other body it is an error.
+  that it carries, because MuJoCo cannot move a massless body. Its frames and visuals are left out.
+  Meshes and velocity limits are left out, too.
+* MuJoCo refuses an inertia that no rigid body can have. For a body that never rotates the inertia
+  has no effect, so a possible one is written instead. For any other body it is an error.
 """
 
 from __future__ import annotations

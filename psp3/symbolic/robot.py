@@ -4,9 +4,10 @@ These functions do not close the loops by iteration. All of them take a configur
 joints that closes the loops. There are three ways to get derivatives along the independent
 coordinates:
 
-- **q as parameter**: numbers from ``robot.configuration``, for example along a given path. - **q as
-unknowns** of an optimization, with the constraint :attr:`SymbolicRobot.closure_equations` = 0. -
-**implicit differentiation**: a small motion of the independent coordinates changes q by
+- **q as parameter**: numbers from ``robot.configuration``, for example along a given path.
+- **q as unknowns** of an optimization, with the constraint
+  :attr:`SymbolicRobot.closure_equations` = 0.
+- **implicit differentiation**: a small motion of the independent coordinates changes q by
   :math:`\partial q / \partial a = E L`, with L the complement of the loops and E the map from
   velocities to rates of coordinates, so that :math:`\mathrm d f / \mathrm d a = f_q\, E L`;
   :meth:`SymbolicRobot.derivatives`.

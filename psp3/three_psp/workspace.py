@@ -7,7 +7,8 @@ Only differences of the nut heights matter: lifting all nuts together lifts the 
 nothing else. There are two borders of the orientation of the star:
 
 * an arm length becomes zero, see :func:`largest_tilt`: the mechanical limit, at a tilt of 70.53° or
-more; * the map from star orientation to the tip's horizontal position folds, see :func:`fold_tilt`:
+  more;
+* the map from star orientation to the tip's horizontal position folds, see :func:`fold_tilt`:
   orientations beyond it are possible, but the tip then moves back from the border of its reach,
   :func:`reach_boundary`, and no longer determines the pose.
 
