@@ -7,13 +7,15 @@ at by ``python -m tests.endurance.memory``, after many more.
 from __future__ import annotations
 
 import gc
+import subprocess
+import sys
 from multiprocessing.connection import Connection
 from pathlib import Path
 
 import pytest
 
-from tests.endurance.memory import Use, calls, growth, loads, slope
-from tests.processes import PROCESSES, answer_of, start
+from tests.endurance.memory import Use, calls, growth, loads
+from tests.processes import PROCESSES, ROOT, answer_of, start
 
 CALLS, LOADS = 50, 2
 """Calls and loads in a window, of which there are six."""
@@ -27,9 +29,11 @@ becomes less with more loads.
 """
 
 
-def leaking(answers: Connection) -> None:
-    kept: list[object] = []
-    answers.send(slope(lambda: kept.append(bytes(100)), 20_000))
+LEAKING = """
+from tests.endurance.memory import slope
+kept = []
+print(slope(lambda: kept.append(bytes(100)), 200_000))
+"""
 
 
 def test_a_leak_is_found() -> None:
@@ -37,8 +41,10 @@ def test_a_leak_is_found() -> None:
     assert growth(lambda: kept.append(object()), 50).blocks == 1.0
     assert growth(lambda: kept.append(bytes(600)), 50).bytes > 600.0
     # In a process of its own: in one with much free memory, a leak fills that first.
-    ours, theirs = PROCESSES.Pipe(duplex=False)
-    assert answer_of(start(leaking, theirs), ours) > 100.0
+    done = subprocess.run(
+        [sys.executable, "-c", LEAKING], cwd=ROOT, capture_output=True, check=True, text=True
+    )
+    assert float(done.stdout) > 100.0
 
 
 def measured(folder: Path, answers: Connection) -> None:
