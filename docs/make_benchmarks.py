@@ -120,9 +120,9 @@ From 1 to 50 loops the time grows with their number to the power of {growth}.
 
 FIRST_USE = """## First use
 
-The table gives the processor time of whole programs and commands. "First" is with an empty cache \
-folder, where functions are compiled once; "again"
-is the least of three more.
+The table gives the processor time of whole programs and commands, measured on {date}. "First" is \
+with an empty cache folder, where functions are
+compiled once; "again" is the least of three more.
 
 {times}
 
@@ -191,7 +191,7 @@ def batch_table(batches: Mapping[str, Mapping[str, Mapping[str, float]]]) -> str
     return "\n".join(lines)
 
 
-def first_use(measured: Mapping[str, Any]) -> str:
+def first_use(measured: Mapping[str, Any], date: str) -> str:
     """Return the section about first use; what needs a clone is there if it was measured."""
     lines = ["| [s] | first | again |", "|---|---|---|"]
     lines += [
@@ -200,8 +200,8 @@ def first_use(measured: Mapping[str, Any]) -> str:
     ]
     clone = measured.get("clone")
     whole = {name.removeprefix("make "): f"{time:.0f}" for name, time in (clone or {}).items()}
-    text = FIRST_USE.format(times="\n".join(lines), clone=CLONE.format(**whole) if clone else "")
-    return text.rstrip() + "\n"
+    said = CLONE.format(**whole) if clone else ""
+    return FIRST_USE.format(date=date, times="\n".join(lines), clone=said).rstrip() + "\n"
 
 
 def page(results: Mapping[str, Any], date: str) -> str:
@@ -258,7 +258,7 @@ def page(results: Mapping[str, Any], date: str) -> str:
                     f"{power:.2f} ({name})" for name, power in general["growth"].items()
                 ),
             ),
-            first_use(first),
+            first_use(first, date),
         ]
     )
 
