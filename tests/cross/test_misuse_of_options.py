@@ -300,7 +300,7 @@ def fault(option: Option, kind: str, value: str) -> str:
         return f"not one line: {err[:400]!r}"
     if len(err) > 2500:
         return f"{len(err)} characters"
-    if APART.get(option.title, "\n") in err:
+    if option.title in APART and APART[option.title] in err:
         return ""
     if option.name in OF_MOTIONS and any(words in err for words in LEADS_AWAY):
         return ""

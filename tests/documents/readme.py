@@ -21,7 +21,7 @@ TEMPLATES = (
     "Badge: Python {python} or newer is needed to run it",
     "You need Linux, Python {python} or newer, make and pip.",
     (
-        "`make view` takes {first use/view} s of one core and downloads 1 GiB, and `make "
+        "`make view` takes {first use/view} s of one core and downloads a GiB, and `make "
         "reproduce` takes another {first use/reproduce} s, most of it to compile once"
     ),
     (
