@@ -63,8 +63,8 @@ WRONG_CALLS = tuple(
         ("simulate --torque-limit 1,2", "1,2 has 2 numbers", "3 are needed"),
         ("torques --sampling-period 0", "got 0.0", "--sampling-period must be finite and positive"),
         ("torques --sampling-period 60", "got 60.0", "at most the duration, 10.4 s"),
-        ("view --record new.html --trajectory ''", "got ''", "must be helix, circle, line"),
-        ("export c delta --out new --name ''", "got ''", "--name must be letters, digits and _"),
+        ("view --record new.html --trajectory=", "got ''", "must be helix, circle, line"),
+        ("export c delta --out new --name=", "got ''", "--name must be letters, digits and _"),
         ("study new.sqlite --seeds 0", "got '0'", "should be greater than or equal to 1"),
         ("reproduce --seeds x", "'x'", WHOLE),
         # What is simulated
