@@ -362,7 +362,9 @@ def _with_option(text: str) -> str:
     """Return a message that begins with the option instead of the parameter's name."""
     name, must, rest = text.partition(" must be ")
     option = "--" + name.replace("_", "-").replace(" ", "-")
-    return f"{option}{must}{rest}" if option in sys.argv else text
+    # An option and its value may be two words, or one: --name=value.
+    given = {word.partition("=")[0] for word in sys.argv}
+    return f"{option}{must}{rest}" if option in given else text
 
 
 def _with_remedy(text: str) -> str:
