@@ -110,8 +110,11 @@ class Kernel(CPUDispatcher):
         *arguments
             Arguments of types that the function can be compiled for when it is called.
         """
-        with global_compiler_lock:
-            self._asked.add(tuple(map(self.typeof_pyval, arguments)))
+        kinds = tuple(map(self.typeof_pyval, arguments))
+        if kinds in self._asked:
+            return
+        with deferred_interrupts(), global_compiler_lock:
+            self._asked.add(kinds)
             self._close_if_complete()
 
     def _close_if_complete(self) -> None:
@@ -131,16 +134,16 @@ class Kernel(CPUDispatcher):
             If the function is kept to other types.
         """
         kinds = tuple(normalize_signature(sig)[0])
-        with global_compiler_lock:
+        # LLVM frees things twice, and Python ends, where Ctrl-C comes into the middle of it. Just
+        # before the block it would leave the lock locked for ever, and other threads would wait.
+        with deferred_interrupts(), global_compiler_lock:
             made: Any = self.overloads.get(kinds)
             if made is not None:
                 return made.entry_point
             if self._asked and kinds not in self._asked:
                 given = ", ".join(map(str, kinds))
                 raise TypeError(f"No matching definition for arguments of the types {given}")
-            # LLVM frees things twice, and Python ends, where Ctrl-C comes into the middle of it.
-            with deferred_interrupts():
-                code = super().compile(sig)
+            code = super().compile(sig)
             self._close_if_complete()
             return code
 

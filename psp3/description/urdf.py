@@ -215,9 +215,12 @@ def _shapes_of_urdf(path: Path, root: ElementTree.Element, model: pin.Model) -> 
 
     def build(element: ElementTree.Element) -> Any:
         text = ElementTree.tostring(element, encoding="unicode")
-        return pin.buildGeomFromUrdfString(
-            model, text, pin.GeometryType.VISUAL, package_dirs=directories
+        # Into shapes of ours: Pinocchio never frees those that it makes itself.
+        shapes = pin.GeometryModel()
+        pin.buildGeomFromUrdfString(
+            model, text, pin.GeometryType.VISUAL, shapes, package_dirs=directories
         )
+        return shapes
 
     make_meshes_absolute(path, root)
     _drop_unopened_meshes(path, root)

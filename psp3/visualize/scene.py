@@ -433,18 +433,14 @@ def _legend(frames: Mapping[str, Frames], newtons: float) -> list[dict[str, str]
 
 
 def _hull(points: Array) -> Array:
-    """Return the corners of the convex hull.
-
-    A view that contains these corners contains all points. If rounding makes the hull flat, as very
-    far from the origin, the corners are those of the bounding box.
-    """
+    """Return the corners of the convex hull; where rounding makes it flat, of the bounding box."""
     from scipy.spatial import ConvexHull, QhullError
 
     try:
         corners: Array = points[ConvexHull(points).vertices].round(3)
     except QhullError:
-        ends = [points.min(axis=0), points.max(axis=0)]
-        corners = np.array(list(itertools.product(*np.transpose(ends)))).round(3)
+        ends = zip(points.min(axis=0), points.max(axis=0), strict=True)
+        corners = np.array(list(itertools.product(*ends))).round(3)
     return corners
 
 
