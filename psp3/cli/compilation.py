@@ -32,19 +32,6 @@ def one_off(command: Callable[..., None]) -> Callable[..., None]:
     return run
 
 
-def simulating(command: Callable[..., None]) -> Callable[..., None]:
-    """Return a command whose controllers are parts of compiled loops, and not compiled besides."""
-
-    @functools.wraps(command)
-    def run(*arguments: object, **options: object) -> None:
-        from fuzzy2.support.deferred_compilation import deferred_compilation
-
-        with deferred_compilation():
-            command(*arguments, **options)
-
-    return run
-
-
 @contextmanager
 def compilation_shown(coming: Compilation) -> Iterator[None]:
     """Report compilation on standard error, on a terminal with the estimated progress."""

@@ -22,6 +22,7 @@ from psp3.description.mjcf_document import MjcfDocument
 from psp3.description.mjcf_expansion import spelled_out
 from psp3.description.mjcf_tree import COLLISION_GROUP, MjcfJoint, PlainMjcf, plain_mjcf
 from psp3.description.parts import RobotParts, check_number
+from psp3.description.reference_configurations import set_reference_configuration
 from psp3.description.xml import described
 from psp3.multibody.equations import Coupling
 
@@ -168,7 +169,7 @@ def _set_joints(model: pin.Model, plain: PlainMjcf) -> None:
             # Pinocchio's parser places a free joint elsewhere and moves the difference into its own
             # qpos0.
             model.jointPlacements[joint.id] = item.placement
-    model.referenceConfigurations["qpos0"] = pin.neutral(model)
+    set_reference_configuration(model, "qpos0", pin.neutral(model))
 
 
 def _gravity(document: MjcfDocument) -> Array:
@@ -380,7 +381,7 @@ def _home(document: MjcfDocument, plain: PlainMjcf, model: pin.Model) -> Array |
                 continue
             joint = model.joints[model.getJointId(item.name)]
             q[joint.idx_q : joint.idx_q + joint.nq] = _coordinates(document, item, part, joint.nq)
-        model.referenceConfigurations[key.attrib["name"]] = q
+        set_reference_configuration(model, key.attrib["name"], q)
     poses = {item.key(): np.array(item.data()) for item in model.referenceConfigurations}
     return poses.get("home")
 

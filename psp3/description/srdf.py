@@ -12,6 +12,7 @@ import pinocchio as pin
 from fuzzy2.support.bounded_files import shortened
 from fuzzy2.support.logs import logger_named
 from psp3.checks import Array
+from psp3.description.reference_configurations import set_reference_configuration
 from psp3.description.xml import described, numbers, read_xml, unique_names
 from psp3.errors import InvalidRobotFile
 
@@ -52,7 +53,7 @@ def reference_poses(model: pin.Model, srdf: str | Path) -> dict[str, Array]:
         for name, state in unique_names(path, _outermost(path).findall("group_state")).items()
     }
     for name, pose in poses.items():
-        model.referenceConfigurations[name] = pose
+        set_reference_configuration(model, name, pose)
     return poses
 
 

@@ -10,6 +10,7 @@ import pinocchio as pin
 from fuzzy2.support.interpreted import few_calls
 from psp3.description.loop_file import constraint_models, read_loops
 from psp3.description.parts import ROBOT_FILES
+from psp3.description.reference_configurations import set_reference_configuration
 from psp3.description.srdf import reference_poses
 from psp3.description.urdf import read_tree
 from psp3.three_psp.parameters import Parameters, named_parameters
@@ -36,9 +37,8 @@ def load_psp3(parameters: str | Parameters) -> PSP3:
         ]
         wider = numbers.screw_radius / Parameters().screw_radius
         with few_calls():
-            model.referenceConfigurations[pose.key()] = robot.configuration(
-                heights.mean() + wider * (heights - heights.mean())
-            )
+            moved = robot.configuration(heights.mean() + wider * (heights - heights.mean()))
+        set_reference_configuration(model, pose.key(), moved)
     return robot
 
 

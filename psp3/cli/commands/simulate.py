@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from psp3.cli.compilation import simulating
+from fuzzy2.support.deferred_compilation import deferred_compilation
 from psp3.cli.joint_tables import commanded_joints, joint_units, what_follows
 from psp3.cli.option_groups import GainOptions, MotionOptions, OutputOptions, single_options
 from psp3.cli.options import (
@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 
 
 @single_options
-@simulating
+@deferred_compilation()
 def simulate(
     *,
     robot: RobotOptions,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from psp3.cli.compilation import simulating
+from fuzzy2.support.deferred_compilation import deferred_compilation
 from psp3.cli.joint_tables import joint_units
 from psp3.cli.option_groups import MotionOptions, single_options
 from psp3.cli.options import TrajectoryText, controller_output, file_path, only_allowed
@@ -86,7 +86,7 @@ class RuleOptions:
 
 
 @single_options
-@simulating
+@deferred_compilation()
 def train(
     *,
     file: Annotated[

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fuzzy2.support.deferred_compilation import deferred_compilation
 from psp3.cli.browser import open_page
-from psp3.cli.compilation import simulating
 from psp3.cli.joint_tables import position_labels
 from psp3.cli.option_groups import GainOptions, MotionOptions, single_options
 from psp3.cli.options import (
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 @single_options
-@simulating
+@deferred_compilation()
 def view(
     *,
     robot: RobotOptions,

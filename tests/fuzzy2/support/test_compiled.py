@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import signal
+import threading
 import time
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
@@ -11,6 +14,7 @@ import pytest
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.errors import TypingError
 
+from fuzzy2.support import compile_unit
 from fuzzy2.support.compiled import chosen_by_table, compiled, only_for
 
 
@@ -95,6 +99,52 @@ def test_a_function_is_opened_for_types_one_after_the_other_and_closed_to_all_ot
         assert twice(whole)[0] == twice(one)[0] == 2
         with pytest.raises(TypeError, match="No matching definition"):
             twice("a")
+
+
+def test_what_has_been_asked_for_waits_for_no_compiler() -> None:
+    @compiled
+    def half(x: float) -> float:
+        return 0.5 * x
+
+    only_for(half, 1.0)
+    with ThreadPoolExecutor(1) as pool, global_compiler_lock:
+        assert pool.submit(only_for, half, 1.0).result(timeout=30.0) is half
+
+
+class Interrupted:
+    """A lock, and Ctrl-C as soon as it is locked, before the block that it guards has begun."""
+
+    def __init__(self) -> None:
+        self.lock = threading.RLock()
+
+    def __enter__(self) -> None:
+        self.lock.acquire()
+        signal.raise_signal(signal.SIGINT)
+
+    def __exit__(self, *_: object) -> None:
+        self.lock.release()
+
+
+@pytest.mark.parametrize("ask", [only_for, lambda function, x: function(x)])
+def test_ctrl_c_does_not_leave_the_compiler_locked(
+    ask: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Other threads would wait for it for ever."""
+
+    @compiled
+    def half(x: float) -> float:
+        return 0.5 * x
+
+    lock = Interrupted()
+    monkeypatch.setattr(compile_unit, "global_compiler_lock", lock)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            ask(half, 1.0)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    with ThreadPoolExecutor(1) as pool:
+        assert pool.submit(lock.lock.acquire, blocking=False).result()
 
 
 def test_who_waited_for_code_finds_it_though_the_function_is_closed_by_then() -> None:
