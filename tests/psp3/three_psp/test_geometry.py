@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import functools
+import math
+from collections.abc import Callable
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -194,6 +197,27 @@ def test_reach_is_what_brent_finds(d: float, ratio: float, azimuth: float) -> No
             geometry, "_root", functools.partial(scipy.optimize.brentq, xtol=1e-15, rtol=1e-14)
         )
         np.testing.assert_allclose(found, tip_reach(azimuth, d, ratio * d), rtol=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("function", "root", "most"),
+    [
+        (lambda x: math.cos(x) - 0.3, math.acos(0.3), 10),
+        (lambda x: (x - 0.7) ** 9, 0.7, 110),
+        (lambda x: math.copysign(1.0, x - 0.3), 0.3, 110),
+        (lambda x: math.exp(50.0 * x) - 1e30, math.log(1e30) / 50.0, 20),
+        (lambda x: math.nan, None, 110),
+    ],
+    ids=["smooth", "flat", "step", "steep", "no number"],
+)
+def test_a_root_is_found_in_a_bounded_number_of_steps(
+    function: Callable[[float], float], root: float | None, most: int
+) -> None:
+    """Smooth functions take a few steps; hard ones at most twice as many as halving does."""
+    counted = Mock(side_effect=function)
+    found = geometry._root(counted, 0.0, math.sqrt(3.0))
+    assert counted.call_count <= most
+    assert root is None or abs(found - root) <= 1e-13
 
 
 def test_reach_keeps_the_shape_of_its_argument() -> None:
