@@ -27,6 +27,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 # Not the user's, which may name other versions or hold an older psp3.
 unexport PYTHONPATH PYTHONHOME
+# Tests start hundreds of processes: without byte code each of them would translate all modules.
+unexport PYTHONDONTWRITEBYTECODE
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 # Whatever is downloaded has a hash in requirements/, and no script of its own is run.
 LOCKED := $(PIP) --require-hashes --only-binary :all: --requirement

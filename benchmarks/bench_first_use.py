@@ -44,6 +44,8 @@ COMMANDS = (
 def cpu_seconds(command: Sequence[str | Path], cache: Path, folder: Path) -> float:
     """Return the processor time of a command with a cache folder [s]."""
     environ = {**os.environ, "XDG_CACHE_HOME": str(cache)}
+    # An installed package keeps its byte code.
+    environ.pop("PYTHONDONTWRITEBYTECODE", None)
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     subprocess.run(command, cwd=folder, env=environ, check=True, capture_output=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)

@@ -464,6 +464,15 @@ def configuration(heights: Array, p: Array, out: Array) -> int:
 
 
 @compiled
+def equation_is_finite(out, o):
+    """Whether M, C and G from ``o`` on, and their sum, are finite."""
+    total = 0.0
+    for j in range(21):
+        total += out[o + j]
+    return math.isfinite(total)
+
+
+@compiled
 def equation_of_motion(heights: Array, speeds: Array, p: Array, out: Array) -> int:
     """Write M (9), C (9) and G (3) of every row, 21 numbers each (eq. 3.2–3.4)."""
     for row in range(heights.size // 3):
@@ -491,8 +500,6 @@ def equation_of_motion(heights: Array, speeds: Array, p: Array, out: Array) -> i
         ) = _equation(
             heights[i], heights[i + 1], heights[i + 2], speeds[i], speeds[i + 1], speeds[i + 2], p
         )
-        if not valid:
-            return row
         o = 21 * row
         out[o], out[o + 1], out[o + 2] = m11, m12, m13
         out[o + 3], out[o + 4], out[o + 5] = m12, m22, m23
@@ -501,6 +508,8 @@ def equation_of_motion(heights: Array, speeds: Array, p: Array, out: Array) -> i
         out[o + 12], out[o + 13], out[o + 14] = c21, c22, c23
         out[o + 15], out[o + 16], out[o + 17] = c31, c32, c33
         out[o + 18], out[o + 19], out[o + 20] = g1, g2, g3
+        if not (valid and equation_is_finite(out, o)):
+            return row
     return -1
 
 
@@ -533,12 +542,12 @@ def inverse_dynamics(
             g2,
             g3,
         ) = _equation(heights[i], heights[i + 1], heights[i + 2], v1, v2, v3, p)
-        if not (valid and is_finite(accelerations, i)):
-            return row
         a1, a2, a3 = accelerations[i], accelerations[i + 1], accelerations[i + 2]
         out[i] = m11 * a1 + m12 * a2 + m13 * a3 + c11 * v1 + c12 * v2 + c13 * v3 + g1
         out[i + 1] = m12 * a1 + m22 * a2 + m23 * a3 + c21 * v1 + c22 * v2 + c23 * v3 + g2
         out[i + 2] = m13 * a1 + m23 * a2 + m33 * a3 + c31 * v1 + c32 * v2 + c33 * v3 + g3
+        if not (valid and is_finite(out, i)):
+            return row
     return -1
 
 
@@ -600,6 +609,8 @@ def energies(heights: Array, speeds: Array, p: Array, out: Array) -> int:
             + m23 * v2 * v3
         )
         out[2 * row + 1] = p[GRAVITY] * (3.0 * p[SLIDING_MASS] * mean + p[STAR_MASS] * (mean + z))
+        if not math.isfinite(out[2 * row] + out[2 * row + 1]):
+            return row
     return -1
 
 
@@ -708,6 +719,8 @@ def inverse_kinematics_tip(tips: Array, p: Array, out: Array) -> int:
             mean - d * (-0.5 * u + HALF_SQRT3 * v),
             mean - d * (-0.5 * u - HALF_SQRT3 * v),
         )
+        if not is_finite(out, o):
+            return row
     return -1
 
 
@@ -751,4 +764,7 @@ def tip_rates(
         accelerations_out[o + 1] = lift - d * (-0.5 * ddu + HALF_SQRT3 * ddv)
         speeds_out[o + 2] = rise - d * (-0.5 * du - HALF_SQRT3 * dv)
         accelerations_out[o + 2] = lift - d * (-0.5 * ddu - HALF_SQRT3 * ddv)
+        # A speed that is not finite makes an acceleration that is not.
+        if not is_finite(accelerations_out, o):
+            return row
     return -1

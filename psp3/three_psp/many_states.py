@@ -20,7 +20,7 @@ from fuzzy2.support import parallel_rows
 from fuzzy2.support.compiled import compiled
 from psp3.checks import Array
 from psp3.three_psp import closed_form
-from psp3.three_psp.closed_form import _equation, _solve
+from psp3.three_psp.closed_form import _equation, _solve, equation_is_finite, is_finite
 from psp3.three_psp.few_states import are_few, kernel_of_closed_form
 
 # Fewer rows do not fill an AVX-512 vector, and the closed form's own kernels are faster.
@@ -88,8 +88,6 @@ def equation_of_motion(heights: Array, speeds: Array, p: Array, out: Array) -> i
         count = min(BLOCK, rows - first)
         _write_columns(heights, speeds, first, count, p, columns)
         for r in range(count):
-            if columns[VALID + r] == 0.0:
-                return first + r
             o = 21 * (first + r)
             m12 = columns[M + BLOCK + r]
             m13 = columns[M + 2 * BLOCK + r]
@@ -101,6 +99,8 @@ def equation_of_motion(heights: Array, speeds: Array, p: Array, out: Array) -> i
                 out[o + 9 + j] = columns[C + j * BLOCK + r]
             for j in range(3):
                 out[o + 18 + j] = columns[G + j * BLOCK + r]
+            if columns[VALID + r] == 0.0 or not equation_is_finite(out, o):
+                return first + r
     return -1
 
 
@@ -118,9 +118,6 @@ def inverse_dynamics(
             i = 3 * (first + r)
             a1, a2, a3 = accelerations[i], accelerations[i + 1], accelerations[i + 2]
             v1, v2, v3 = speeds[i], speeds[i + 1], speeds[i + 2]
-            finite = math.isfinite(a1) and math.isfinite(a2) and math.isfinite(a3)
-            if columns[VALID + r] == 0.0 or not finite:
-                return first + r
             out[i] = (
                 columns[M + r] * a1
                 + columns[M + BLOCK + r] * a2
@@ -148,6 +145,8 @@ def inverse_dynamics(
                 + columns[C + 8 * BLOCK + r] * v3
                 + columns[G + 2 * BLOCK + r]
             )
+            if columns[VALID + r] == 0.0 or not is_finite(out, i):
+                return first + r
     return -1
 
 

@@ -11,7 +11,6 @@ dynamics, see :meth:`PSP3.dynamics`.
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
@@ -364,7 +363,7 @@ class PSP3(ClosedLoopRobot):
             row = self._kernels.inverse_kinematics_tip(points, self._p, out)
         else:
             row = self._of_many("inverse_kinematics_tip", (points,), self._p, out)
-        if row >= 0 or (row := _first_not_finite(out)) >= 0:
+        if row >= 0:
             point = points.reshape(-1, 3)[row]
             if not np.isfinite(point).all():
                 raise InvalidArray("tip", "(..., 3)", points)
@@ -476,8 +475,7 @@ class PSP3(ClosedLoopRobot):
             row = self._kernels.tip_rates(a, dx, ddx, self._p, speeds, accelerations)
         else:
             row = self._of_many("tip_rates", (a, dx, ddx), self._p, speeds, accelerations)
-        # A speed that is not finite makes an acceleration that is not.
-        if row >= 0 or (row := _first_not_finite(accelerations)) >= 0:
+        if row >= 0:
             self._refuse(row, heights=a, velocity=dx, acceleration=ddx)
         return speeds, accelerations
 
@@ -594,7 +592,7 @@ class PSP3(ClosedLoopRobot):
             row = self._kernels.inverse_dynamics(a, v, w, self._p, out)
         else:
             row = self._of_many("inverse_dynamics", (a, v, w), self._p, out)
-        if row >= 0 or (row := _first_not_finite(out)) >= 0:
+        if row >= 0:
             self._refuse(row, heights=a, speeds=v, accelerations=w)
         return out
 
@@ -647,7 +645,7 @@ class PSP3(ClosedLoopRobot):
             row = self._kernels.energies(a, v, self._p, out)
         else:
             row = self._of_many("energies", (a, v), self._p, out)
-        if row >= 0 or (row := _first_not_finite(out)) >= 0:
+        if row >= 0:
             self._refuse(row, heights=a, speeds=v)
         return out
 
@@ -686,16 +684,6 @@ class PSP3(ClosedLoopRobot):
 
 _REST = np.zeros(3)
 _FLOAT = np.dtype(np.float64)
-
-
-def _first_not_finite(out: Array) -> int:
-    """Return the first row of (..., k) that is not all finite, or -1."""
-    # For one state, as in a control loop, a finite sum is the fastest check; if it overflows, all
-    # entries are checked.
-    if out.ndim == 1 and math.isfinite(sum(out.tolist())):
-        return -1
-    bad = ~np.isfinite(out.reshape(-1, out.shape[-1])).all(axis=-1)
-    return int(bad.argmax()) if bad.any() else -1
 
 
 def _three(name: str, values: ArrayLike) -> Array:

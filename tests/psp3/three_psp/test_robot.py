@@ -5,6 +5,7 @@ Comparisons with Pinocchio are in tests/cross/test_pinocchio.py.
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
 from psp3.dynamics.projected import ProjectedDynamics
-from psp3.errors import UnknownName, UnreachableTip
+from psp3.errors import InvalidValue, UnknownName, UnreachableTip
 from tests.helpers import (
     SCREW_AZIMUTHS,
     Array,
@@ -494,3 +495,27 @@ def test_arguments_are_left_as_they_were(robot: psp3.PSP3) -> None:
 def test_pose_is_readable(robot: psp3.PSP3) -> None:
     text = repr(robot.forward_kinematics([0.0, 0.0, 0.1]))
     assert all(word in text for word in ("center", "rotation", "arms", "tip", "array"))
+
+
+HUGE = {
+    "equation_of_motion": {"speeds": 1.7e308},
+    "inverse_dynamics": {"speeds": 1e200, "accelerations": 0.0},
+    "forward_dynamics": {"speeds": 1e200, "forces": 0.0},
+    "kinetic_energy": {"speeds": 1e200},
+    "rates_of_tip": {"velocity": 1e200, "acceleration": 0.0},
+}
+
+
+@pytest.mark.parametrize("name", HUGE)
+@pytest.mark.parametrize("rows", [None, 3, 1000])
+def test_answers_that_overflow_are_refused(robot: psp3.PSP3, name: str, rows: int | None) -> None:
+    """Alone, among few states, and among many; the error has the row's numbers."""
+    heights = random_heights(np.random.default_rng(3), 1 if rows is None else rows)
+    signs = np.zeros_like(heights)
+    signs[-1] = 1.0, -1.0, 0.0
+    arguments = [heights, *(size * signs for size in HUGE[name].values())]
+    if rows is None:
+        arguments = [argument[0] for argument in arguments]
+    first, size = next(iter(HUGE[name].items()))
+    with pytest.raises(InvalidValue, match=rf"{first}.*finite result.*{re.escape(str(size))}"):
+        getattr(robot, name)(*arguments)
