@@ -342,10 +342,12 @@ class _Equations:
             firsts.append(float(values.max(initial=0.0)))
             spectra.append(values / max(firsts[-1], 1e-300))
             bases.append(right)
-            motions = right[_count(values, threshold) :].T
-            if len(poses) > POSES or not motions.shape[1]:
+            motions = right[_count(values, threshold) :]
+            if len(poses) > POSES or not len(motions):
                 break
-            away = self._away(here, motions @ rng.normal(size=motions.shape[1]), threshold)
+            # A projection, because the basis of the motions may differ from machine to machine.
+            way = motions.T @ (motions @ rng.normal(size=motions.shape[1]))
+            away = self._away(here, way, threshold)
             if away is None and here is home:
                 break
             # If the walk cannot continue, start again from home.

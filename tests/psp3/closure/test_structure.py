@@ -19,11 +19,13 @@ from psp3.closure.structure import (
     LARGEST_MISMATCH,
     TOLD_MISMATCH,
     Structure,
+    _Equations,
     robot_size,
     structure,
 )
 from psp3.errors import LoopsDoNotClose, MobilityMismatch, RoundedLoops
 from psp3.multibody.flatten import NO_MOTORS, flattened
+from tests.helpers import Array
 from tests.psp3.closure.rounded import (
     EXACT,
     LINKAGES,
@@ -139,6 +141,26 @@ def test_bars_that_are_nearly_stretched_are_exact_and_held(bend: float) -> None:
     assert found.mismatch < 1e-11
     assert found.exact is None
     assert not found.is_stuck
+
+
+@pytest.mark.parametrize("name", list(LINKAGES))
+def test_the_basis_of_the_motions_does_not_matter(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It differs between machines, and may be any; the poses that are examined are the same."""
+    parts = LINKAGES[name][0](EXACT, 0)
+    found = structure_of(parts)
+    rng, decomposed = np.random.default_rng(5), _Equations.decomposed
+
+    def turned(equations: _Equations, q: Array) -> tuple[Array, Array, Array]:
+        left, values, right = decomposed(equations, q)
+        any_basis, _ = np.linalg.qr(rng.normal(size=(found.freedoms, found.freedoms)))
+        return left, values, np.concatenate([right[: found.rank], any_basis @ right[found.rank :]])
+
+    monkeypatch.setattr(_Equations, "decomposed", turned)
+    again = structure_of(parts)
+    assert len(again.poses) == len(found.poses) > 5
+    np.testing.assert_allclose(again.poses, found.poses, atol=1e-9)
 
 
 @pytest.mark.parametrize("bend", [1e-5, 1e-3, 1e-2])
