@@ -6,8 +6,10 @@ in advance, so the duration of the last piece determines the size of the next on
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from time import perf_counter
+
+from fuzzy2.support.checks import Array
 
 FIRST = 128
 """Rows of the first piece; all pieces except the last are multiples of it."""
@@ -36,6 +38,15 @@ def pieces(rows: int, first: int = FIRST) -> Iterator[slice]:
         begun = perf_counter()
         yield slice(start, end)
         start, size = end, next_size(size, perf_counter() - begun, first)
+
+
+def flat_pieces(*arrays: Array) -> Iterable[tuple[Array, ...]]:
+    """Return consecutive pieces of contiguous arrays, flat; each array has one row per input."""
+    rows = len(arrays[0])
+    # One row, as in a control loop, must not take the time of a generator and of slices.
+    if rows == 1:
+        return (tuple([array.ravel() for array in arrays]),)
+    return (tuple(array[part].ravel() for array in arrays) for part in pieces(rows))
 
 
 def next_size(size: int, seconds: float, least: int) -> int:

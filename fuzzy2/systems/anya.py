@@ -18,7 +18,7 @@ from fuzzy2.errors import InvalidValue, NotApplicable, ReadOnly
 from fuzzy2.support.checks import Array, reals, whole_number
 from fuzzy2.support.checks import listed as checked_list
 from fuzzy2.support.markup import Markup, joined
-from fuzzy2.support.pieces import pieces
+from fuzzy2.support.pieces import flat_pieces
 from fuzzy2.support.shown import Shown
 from fuzzy2.systems.antecedents import Is
 from fuzzy2.systems.construction import checked_names
@@ -158,8 +158,8 @@ class AnYaSystem(Shown):
         out = np.empty((*x.shape[:-1], len(self.asked)))
         inputs, found = rows.reshape(-1, x.shape[-1]), out.reshape(-1, len(self.asked))
         clouds = self._data, self._starts, self._cloud_of
-        for part in pieces(len(inputs)):
-            if relative_densities(*clouds, inputs[part].ravel(), found[part].ravel()) >= 0:
+        for given, densities in flat_pieces(inputs, found):
+            if relative_densities(*clouds, given, densities) >= 0:
                 raise InvalidValue("X", x, "finite")
         return out
 

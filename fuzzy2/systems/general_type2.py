@@ -17,7 +17,7 @@ from fuzzy2.sets.general_type2 import GeneralType2Set
 from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.type1 import Type1Set
 from fuzzy2.support.checks import Array, known_name, whole_number
-from fuzzy2.support.pieces import pieces
+from fuzzy2.support.pieces import flat_pieces
 from fuzzy2.systems.consequents import FunctionsOfInputs
 from fuzzy2.systems.fuzzifiers import NonSingletonFuzzifier
 from fuzzy2.systems.gradients import Differentiable
@@ -205,9 +205,8 @@ class GeneralType2System(FuzzySystem):
         self._refuse(rows)
         if self._one_loop:
             planes = np.empty((len(rows), self.levels, self.n_outputs, 2))
-            for part in pieces(len(rows)):
-                given = self._table, rows[part].ravel(), self._widths, planes[part].ravel()
-                self._kernels.evaluate_planes(*given)
+            for given, found in flat_pieces(rows, planes):
+                self._kernels.evaluate_planes(self._table, given, self._widths, found)
         else:
             planes = np.stack(
                 [self._plane(level).type_reduced(rows) for level in range(self.levels)], axis=1
@@ -234,8 +233,8 @@ class GeneralType2System(FuzzySystem):
             return self._plane(0)._firing(rows)
         out = np.empty((len(rows), len(self.rules), 2))
         width = float(self._widths[0])
-        for part in pieces(len(rows)):
-            self._kernels.firing(self._table, rows[part].ravel(), width, out[part].ravel())
+        for given, found in flat_pieces(rows, out):
+            self._kernels.firing(self._table, given, width, found)
         return out
 
     def coverage(self, X: ArrayLike) -> Array:
@@ -318,9 +317,9 @@ class GeneralType2System(FuzzySystem):
         if self._one_loop:
             shape, rows = self._rows(X)
             out = np.empty((len(rows), self.n_outputs))
-            for part in pieces(len(rows)):
-                given = self._table, rows[part].ravel(), self._widths, self.alphas
-                if self._kernels.evaluate_crisp_planes(*given, out[part].ravel()) >= 0:
+            evaluate = self._kernels.evaluate_crisp_planes
+            for given, found in flat_pieces(rows, out):
+                if evaluate(self._table, given, self._widths, self.alphas, found) >= 0:
                     self._refuse(rows)
             return out.reshape(*shape, self.n_outputs)
         middles = self.alpha_cuts(X).mean(axis=-1)
@@ -424,9 +423,8 @@ class GeneralType2System(FuzzySystem):
             middles, spreads = self._middles.ravel(), self._spreads.ravel()
             from fuzzy2.systems.corollary_kernels import evaluate_corollary
 
-            for part in pieces(len(rows)):
-                given = self._table, rows[part].ravel(), middles, spreads, product
-                if evaluate_corollary(*given, out[part].ravel()) >= 0:
+            for given, found in flat_pieces(rows, out):
+                if evaluate_corollary(self._table, given, middles, spreads, product, found) >= 0:
                     self._refuse(rows)
             return out.reshape(*shape, self.n_outputs, 2)
         self._refuse(rows)

@@ -53,7 +53,7 @@ from fuzzy2.support.checks import (
     whole_number,
 )
 from fuzzy2.support.markup import Markup
-from fuzzy2.support.pieces import pieces
+from fuzzy2.support.pieces import flat_pieces
 from fuzzy2.support.shown import Shown
 from fuzzy2.systems.antecedents import strength, trees_of
 from fuzzy2.systems.consequents import Formulas, FunctionsOfInputs
@@ -99,6 +99,8 @@ from fuzzy2.systems.rules import Rule
 from fuzzy2.systems.table import Supplement, table_of
 from fuzzy2.systems.term_rows import TermRows
 from fuzzy2.systems.terms import range_of
+
+_FLOAT = np.dtype(np.float64)
 
 
 class FuzzySystem(Shown):
@@ -470,7 +472,8 @@ class FuzzySystem(Shown):
         if given.shape[-1:] != (len(self.inputs),) or given.ndim == 0:
             raise InvalidValue("X", given.shape, f"of shape (..., {len(self.inputs)})")
         # Arrays are made writable, because numba would compile every loop again for read-only ones.
-        rows = np.require(given, np.float64, ["C", "W"])
+        ready = given.dtype is _FLOAT and given.flags.carray
+        rows = given if ready else np.require(given, np.float64, ["C", "W"])
         return given.shape[:-1], rows.reshape(-1, len(self.inputs))
 
     def _refuse(self, rows: Array) -> None:
@@ -622,9 +625,8 @@ class FuzzySystem(Shown):
             (*shape, self.n_outputs) if crisp else (*shape, self.n_outputs, 2)
         )
         out = results.reshape(-1, self.n_outputs if crisp else 2 * self.n_outputs)
-        for part in pieces(len(rows)):
-            given = self._table, rows[part].ravel(), 0.0, crisp, out[part].ravel()
-            if self._kernels.evaluate(*given) >= 0:
+        for given, found in flat_pieces(rows, out):
+            if self._kernels.evaluate(self._table, given, 0.0, crisp, found) >= 0:
                 self._refuse(rows)
         return results
 
@@ -653,8 +655,8 @@ class FuzzySystem(Shown):
     def _firing(self, rows: Array) -> Array:
         if self._table is not None:
             out = np.empty((len(rows), len(self.rules), 2))
-            for part in pieces(len(rows)):
-                self._kernels.firing(self._table, rows[part].ravel(), 0.0, out[part].ravel())
+            for given, found in flat_pieces(rows, out):
+                self._kernels.firing(self._table, given, 0.0, found)
             return out
         return self._combine(self._grades(rows))
 

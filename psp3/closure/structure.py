@@ -335,8 +335,7 @@ class _Equations:
             return None
         here, gaps = at_home
         poses, firsts, spectra, bases = [here], [], [], []
-        rng = np.random.default_rng(0)
-        home, worst = here, np.abs(gaps)
+        home, worst, rng = here, np.abs(gaps), np.random.default_rng(0)
         while True:
             _, values, right = self.decomposed(here)
             firsts.append(float(values.max(initial=0.0)))
@@ -346,8 +345,8 @@ class _Equations:
             if len(poses) > POSES or not len(motions):
                 break
             # A projection, because the basis of the motions may differ from machine to machine.
-            way = motions.T @ (motions @ rng.normal(size=motions.shape[1]))
-            away = self._away(here, way, threshold)
+            way = motions @ rng.normal(size=self.model.nv)
+            away = self._away(here, motions.T @ way, threshold)
             if away is None and here is home:
                 break
             # If the walk cannot continue, start again from home.
@@ -388,11 +387,10 @@ class _Equations:
         They are followed from where the stricter reading closes the loops, with as many equations
         as the looser one has, so that the others may open as far as they do.
         """
-        _, _, right = self.decomposed(strict.home)
-        end = strict.rank if strict.rank > loose.rank else len(right)
+        end = strict.rank if strict.rank > loose.rank else self.model.nv
         return any(
             self._opens_along(strict.home, side * direction, loose.rank)
-            for direction in right[loose.rank : end]
+            for direction in self.decomposed(strict.home)[2][loose.rank : end]
             for side in (1.0, -1.0)
         )
 

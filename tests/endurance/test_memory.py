@@ -24,8 +24,8 @@ MOST_A_CALL = Use(16.0, 0.5)
 """The least that C can leak is 32 bytes, and Python a block: what is once in two calls is found."""
 
 MOST_A_LOAD = Use(4096.0, 0.5)
-"""A small robot is twenty times as large. MuJoCo and SQLite use up to 2.5 kB more or less after each
-load; a thousand loads leave less than 50 bytes each.
+"""A small robot is twenty times as large. MuJoCo and SQLite use up to 2.5 kB more or less after
+each load; a thousand loads leave at most 61 bytes each.
 """
 
 
