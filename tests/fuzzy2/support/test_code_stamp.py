@@ -71,6 +71,8 @@ def written(folder: Path, value: float, package: str = "kernels") -> Path:
 def asked(folder: Path, cache: Path | None = None, package: str = "kernels") -> list[str]:
     """Return what a new process computes, and how often from the disk."""
     environment = {**os.environ, **({} if cache is None else {"NUMBA_CACHE_DIR": str(cache)})}
+    # Python's own byte code does not see a change of the same size within a second.
+    environment["PYTHONDONTWRITEBYTECODE"] = "1"
     command = [sys.executable, "-c", ASK.format(package=package)]
     done = subprocess.run(
         command, cwd=folder, capture_output=True, text=True, check=True, env=environment
