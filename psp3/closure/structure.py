@@ -92,6 +92,11 @@ smaller one is used if the loops do not close at a larger one.
 
 POSES = 8
 
+REGULAR = 0.01
+"""At a home that was searched for, singular values that count are above this share of the largest
+that they reach elsewhere.
+"""
+
 LONG_WAY = 3
 """Claimed motions are followed for so many of the largest steps to either side."""
 
@@ -230,18 +235,20 @@ def structure(
             least, worst, nearest = size, where, near
         found = equations.structure(near)
         if found is not None:
-            if _is_good(model, found, motors) or q is not None:
+            if q is not None or (_is_good(model, found, motors) and equations.is_regular(found)):
                 return found
             others.append(found)
         if time.process_time() > equations.deadline:
             break
     if others:
-        # Prefer the start in which the motors command most, then the one least beyond the limits.
+        # Prefer the start in which the motors command most, then a regular one, then the one least
+        # beyond the limits.
         return max(
             others,
             key=lambda one: (
                 not one.is_stuck,
                 commanded(one, motors),
+                equations.is_regular(one),
                 -how_far_beyond(model, one.home),
             ),
         )
@@ -406,6 +413,11 @@ class _Equations:
             motions = self.decomposed(q)[2][rank:]
             direction = motions.T @ (motions @ direction)
         return False
+
+    def is_regular(self, found: Structure) -> bool:
+        """Tell whether all equations that count do so at home, which is near no singular pose."""
+        values = self.decomposed(found.home)[1]
+        return not found.rank or bool(values[found.rank - 1] > REGULAR * found.kept * values[0])
 
     def is_well(self, found: Structure) -> bool:
         """Tell whether all equations that count are stronger than those that rounding can cause."""

@@ -500,6 +500,8 @@ def equation_of_motion(heights: Array, speeds: Array, p: Array, out: Array) -> i
         ) = _equation(
             heights[i], heights[i + 1], heights[i + 2], speeds[i], speeds[i + 1], speeds[i + 2], p
         )
+        if not valid:
+            return row
         o = 21 * row
         out[o], out[o + 1], out[o + 2] = m11, m12, m13
         out[o + 3], out[o + 4], out[o + 5] = m12, m22, m23
@@ -508,7 +510,7 @@ def equation_of_motion(heights: Array, speeds: Array, p: Array, out: Array) -> i
         out[o + 12], out[o + 13], out[o + 14] = c21, c22, c23
         out[o + 15], out[o + 16], out[o + 17] = c31, c32, c33
         out[o + 18], out[o + 19], out[o + 20] = g1, g2, g3
-        if not (valid and equation_is_finite(out, o)):
+        if not equation_is_finite(out, o):
             return row
     return -1
 
@@ -542,11 +544,13 @@ def inverse_dynamics(
             g2,
             g3,
         ) = _equation(heights[i], heights[i + 1], heights[i + 2], v1, v2, v3, p)
+        if not valid:
+            return row
         a1, a2, a3 = accelerations[i], accelerations[i + 1], accelerations[i + 2]
         out[i] = m11 * a1 + m12 * a2 + m13 * a3 + c11 * v1 + c12 * v2 + c13 * v3 + g1
         out[i + 1] = m12 * a1 + m22 * a2 + m23 * a3 + c21 * v1 + c22 * v2 + c23 * v3 + g2
         out[i + 2] = m13 * a1 + m23 * a2 + m33 * a3 + c31 * v1 + c32 * v2 + c33 * v3 + g3
-        if not (valid and is_finite(out, i)):
+        if not is_finite(out, i):
             return row
     return -1
 

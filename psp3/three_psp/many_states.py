@@ -88,6 +88,8 @@ def equation_of_motion(heights: Array, speeds: Array, p: Array, out: Array) -> i
         count = min(BLOCK, rows - first)
         _write_columns(heights, speeds, first, count, p, columns)
         for r in range(count):
+            if columns[VALID + r] == 0.0:
+                return first + r
             o = 21 * (first + r)
             m12 = columns[M + BLOCK + r]
             m13 = columns[M + 2 * BLOCK + r]
@@ -99,7 +101,7 @@ def equation_of_motion(heights: Array, speeds: Array, p: Array, out: Array) -> i
                 out[o + 9 + j] = columns[C + j * BLOCK + r]
             for j in range(3):
                 out[o + 18 + j] = columns[G + j * BLOCK + r]
-            if columns[VALID + r] == 0.0 or not equation_is_finite(out, o):
+            if not equation_is_finite(out, o):
                 return first + r
     return -1
 
@@ -115,6 +117,8 @@ def inverse_dynamics(
         count = min(BLOCK, rows - first)
         _write_columns(heights, speeds, first, count, p, columns)
         for r in range(count):
+            if columns[VALID + r] == 0.0:
+                return first + r
             i = 3 * (first + r)
             a1, a2, a3 = accelerations[i], accelerations[i + 1], accelerations[i + 2]
             v1, v2, v3 = speeds[i], speeds[i + 1], speeds[i + 2]
@@ -145,7 +149,7 @@ def inverse_dynamics(
                 + columns[C + 8 * BLOCK + r] * v3
                 + columns[G + 2 * BLOCK + r]
             )
-            if columns[VALID + r] == 0.0 or not is_finite(out, i):
+            if not is_finite(out, i):
                 return first + r
     return -1
 
