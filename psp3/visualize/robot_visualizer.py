@@ -13,6 +13,7 @@ from psp3.checks import Array
 from psp3.robots.robot import Robot
 from psp3.visualize.animation import clip
 from psp3.visualize.shapes import Glass, Satin, meshcat
+from psp3.visualize.skeleton import drawn_shapes
 
 GHOST_OPACITY = 0.4
 
@@ -55,10 +56,8 @@ class RobotVisualizer(MeshcatVisualizer):  # type: ignore[misc]
     ) -> None:
         self._ghost = None if ghost is None else Glass(ghost, GHOST_OPACITY)
         self._rigid = _rigidly_joined(robot)
-        super().__init__(
-            robot.model,
-            visual_model=robot.visual_model if ghost is None else _thinned(robot.visual_model),
-        )
+        shapes = drawn_shapes(robot)
+        super().__init__(robot.model, visual_model=shapes if ghost is None else _thinned(shapes))
         self.initViewer(viewer)
         self.loadViewerModel(node)
 
@@ -177,12 +176,15 @@ def _thinned(visual_model: pin.GeometryModel) -> pin.GeometryModel:
         ):
             continue
         if isinstance(form, coal.Box):
-            moving.geometry = coal.Box(2.0 * (form.halfSide - GHOST_MARGIN))
+            moving.geometry = coal.Box(*(2.0 * _inner(form.halfSide)))
         elif isinstance(form, coal.Cylinder):
-            moving.geometry = coal.Cylinder(
-                form.radius - GHOST_MARGIN, 2.0 * (form.halfLength - GHOST_MARGIN)
-            )
+            moving.geometry = coal.Cylinder(_inner(form.radius), 2.0 * _inner(form.halfLength))
         elif isinstance(form, coal.Sphere):
-            moving.geometry = coal.Sphere(form.radius - GHOST_MARGIN)
+            moving.geometry = coal.Sphere(_inner(form.radius))
         thin.addGeometryObject(moving)
     return thin
+
+
+def _inner(half: Any) -> Any:
+    # At least half of it is left of what is thinner than the margin.
+    return np.maximum(half - GHOST_MARGIN, 0.5 * half)
