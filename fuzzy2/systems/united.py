@@ -22,6 +22,7 @@ refused.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
@@ -250,7 +251,7 @@ class United:
         areas = pieces.areas[:, 0]
         starts = np.searchsorted(pieces.rows, np.arange(len(fired)))
         half = 0.5 * np.bincount(pieces.rows, areas, len(fired))
-        before = _before(pieces.areas, starts, pieces.rows)[:, 0]
+        before = _before(pieces.areas, starts)[:, 0]
         out = np.full(len(fired), np.nan)
         passed = np.flatnonzero((before + areas >= half[pieces.rows]) & (areas > 0.0))
         found = np.full(len(fired), -1)
@@ -475,7 +476,7 @@ class United:
         center = self._origin if origin is None else origin
         count = len(areas)
         starts = np.searchsorted(pieces.rows, np.arange(count))
-        before = [_before(values, starts, pieces.rows) for values in (pieces.areas, pieces.moments)]
+        before = [_before(values, starts) for values in (pieces.areas, pieces.moments)]
         after = [
             total[pieces.rows, 0] - (part[:, 0] + own[:, 0])
             for total, part, own in zip(
@@ -537,7 +538,13 @@ def _by_row(values: Array, rows: NDArray[np.intp], count: int) -> Array:
     return np.stack([np.bincount(rows, column, count) for column in values.T], axis=-1)
 
 
-def _before(values: Array, starts: NDArray[np.intp], rows: NDArray[np.intp]) -> Array:
-    """Return the sums (P, ends) of the values of all pieces of a row before each piece."""
-    total = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(values, axis=0)])
-    return np.asarray(total[:-1] - total[starts[rows]])
+def _before(values: Array, starts: NDArray[np.intp]) -> Array:
+    """Return the sums (P, ends) of the values of all pieces of a row before each piece.
+
+    Each row has its own sum, because one over all rows would lose what is small in a row after
+    another one that is not.
+    """
+    total = np.zeros_like(values)
+    for start, end in itertools.pairwise([*starts.tolist(), len(values)]):
+        np.cumsum(values[start : max(start, end - 1)], axis=0, out=total[start + 1 : end])
+    return total

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from fractions import Fraction
 from typing import Any
 
@@ -311,3 +311,50 @@ def test_terms_narrower_than_the_step_of_a_grid_are_not_lost(reduction: str) -> 
         # Firing is by the two rules' weights, which multiply 1.
         fired = system.replace(weights=[0.75, 0.25])
         np.testing.assert_allclose(fired([0.5]), [expected], rtol=0.0, atol=1e-6)
+
+
+def far_apart() -> Iterator[fuzzy2.Type1System | fuzzy2.IntervalType2System]:
+    """Yield systems without a compiled loop, whose rules fire by 1e-40 at 9 and by 1 at 0."""
+    mean, sigma = fuzzy2.GaussianUncertainMean, fuzzy2.GaussianUncertainSigma
+    rules = "IF x is low THEN y is a\nIF x is high THEN y is b"
+    options: dict[str, Any] = {"output_ranges": [(-3.0, 3.0)], "t_conorm": "probabilistic"}
+    for kind in ("centroid", "center_of_sums"):
+        yield fuzzy2.IntervalType2System(
+            {"x": {"low": mean((-0.1, 0.1), 1.0), "high": mean((0.9, 1.1), 1.0)}},
+            rules,
+            {"y": {"a": sigma(0.3, (0.2, 0.5)), "b": sigma(-0.9, (0.5, 1.2))}},
+            type_reduction=kind,
+            **options,
+        )
+    crisp = {"x": {"low": fuzzy2.Gaussian(0.0, 1.0), "high": fuzzy2.Gaussian(1.0, 1.0)}}
+    for other in (fuzzy2.Bell(-0.9, 0.5, 2.0), fuzzy2.PiShaped(-2.0, -1.0, -0.5, 0.0)):
+        for kind in ("centroid", "bisector"):
+            sets = {"y": {"a": fuzzy2.Gaussian(0.3, 0.4), "b": other}}
+            yield fuzzy2.Type1System(crisp, rules, sets, type_reduction=kind, **options)
+
+
+@pytest.mark.parametrize("number", range(6))
+def test_a_row_does_not_depend_on_those_beside_it(number: int) -> None:
+    """Their areas are 1e-40 beside 1. 1e-12, because sums of a block run in another order."""
+    system = list(far_apart())[number]
+    inputs = np.array([[0.5], [9.0], [0.0], [10.0], [-9.0], [1.0]])
+    alone = np.array([system(x) for x in inputs])
+    assert np.isfinite(alone).all()
+    np.testing.assert_allclose(system(inputs), alone, rtol=0, atol=1e-12)
+    reduced = np.array([system.type_reduced(x) for x in inputs])
+    np.testing.assert_allclose(system.type_reduced(inputs), reduced, rtol=0, atol=1e-12)
+    slopes = np.array([system.gradient(x) for x in inputs])
+    np.testing.assert_allclose(system.gradient(inputs), slopes, rtol=0, atol=1e-6)
+
+
+def test_a_bisector_far_out_is_that_of_the_union_on_a_fine_grid() -> None:
+    """At 9 the rules fire by 3e-18 and 1e-14; half a cell of the grid is 1e-5."""
+    system = list(far_apart())[3]
+    y = np.linspace(-3.0, 3.0, 300_001)
+    for x in (0.5, 7.9, 9.0):
+        fired = np.exp(-0.5 * (x - np.array([0.0, 1.0])) ** 2)
+        sets = np.exp(-0.5 * ((y - 0.3) / 0.4) ** 2), 1.0 / (1.0 + ((y + 0.9) / 0.5) ** 4)
+        one, other = fired[0] * sets[0], fired[1] * sets[1]
+        areas = np.cumsum(one + other - one * other)
+        expected = y[np.searchsorted(areas, 0.5 * areas[-1])]
+        assert abs(float(system([[0.0], [x]])[1, 0]) - expected) < 4e-5
