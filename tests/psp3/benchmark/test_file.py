@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sqlite3
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -58,7 +59,7 @@ def test_an_entry_is_called_what_a_file_may_be_called(tmp_path: Path) -> None:
 def test_files_of_others_are_refused_and_stay(tmp_path: Path, content: bytes | None) -> None:
     path = tmp_path / "other.sqlite"
     if content is None:
-        with sqlite3.connect(path) as connection:
+        with closing(sqlite3.connect(path)) as connection, connection:
             connection.execute("CREATE TABLE mine (x)")
         connection.close()
     else:
@@ -72,7 +73,7 @@ def test_files_of_others_are_refused_and_stay(tmp_path: Path, content: bytes | N
 def test_another_version_is_refused_with_what_it_is_and_what_to_do(tmp_path: Path) -> None:
     path = tmp_path / "some.sqlite"
     OutcomeFile(path)
-    with sqlite3.connect(path) as connection:
+    with closing(sqlite3.connect(path)) as connection, connection:
         connection.execute("PRAGMA user_version = 99")
     connection.close()
     with pytest.raises(InvalidStudyFile, match=r"version 99, .* another directory"):
@@ -104,7 +105,7 @@ def test_outcome_that_is_not_what_was_written_is_named_and_can_be_done_anew(
 
 
 def change(path: Path, statement: str) -> None:
-    with sqlite3.connect(path) as connection:
+    with closing(sqlite3.connect(path)) as connection, connection:
         connection.execute(statement)
     connection.close()
 

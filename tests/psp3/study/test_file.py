@@ -13,7 +13,7 @@ import sqlite3
 import struct
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -66,11 +66,9 @@ def fill(path: Path, runs: Sequence[Run] = RUNS, one_by_one: bool = False) -> St
 
 
 def change(path: Path, *statements: str) -> None:
-    connection = sqlite3.connect(path)
-    with connection:
+    with closing(sqlite3.connect(path)) as connection, connection:
         for statement in statements:
             connection.execute(statement)
-    connection.close()
 
 
 def keys_of(table: Table) -> list[bytes]:
