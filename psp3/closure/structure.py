@@ -92,10 +92,13 @@ smaller one is used if the loops do not close at a larger one.
 
 POSES = 8
 
-REGULAR = 0.01
-"""At a home that was searched for, singular values that count are above this share of the largest
-that they reach elsewhere.
+REGULAR, SINGULAR = 0.1, 1e-6
+"""At a home that was searched for, singular values that count are at least the first share of the
+largest that they reach elsewhere; at a neutral pose that closes the loops, the second.
 """
+
+MOST_OTHERS = 20
+"""After so many configurations that close the loops, the best of them is taken."""
 
 LONG_WAY = 3
 """Claimed motions are followed for so many of the largest steps to either side."""
@@ -218,7 +221,15 @@ def structure(
         start = inside if near is None else near
     equations, began = _Equations(model, flat, start), time.process_time()
     found = equations.structure(start)
-    if found is not None and (q is not None or _is_good(model, found, motors)):
+
+    def is_home(one: Structure) -> bool:
+        if q is not None:
+            return True
+        # A neutral pose that closes the loops is what people expect, unless it is singular.
+        least = SINGULAR if _is_at(model, one.home, inside) else REGULAR
+        return _is_good(model, one, motors) and equations.is_regular(one, motors, least)
+
+    if found is not None and is_home(found):
         return found
     took = time.process_time() - began
     # A search needs thousands of answers. They are compiled before the time of the search starts.
@@ -235,10 +246,10 @@ def structure(
             least, worst, nearest = size, where, near
         found = equations.structure(near)
         if found is not None:
-            if q is not None or (_is_good(model, found, motors) and equations.is_regular(found)):
+            if is_home(found):
                 return found
             others.append(found)
-        if time.process_time() > equations.deadline:
+        if time.process_time() > equations.deadline or len(others) == MOST_OTHERS:
             break
     if others:
         # Prefer the start in which the motors command most, then a regular one, then the one least
@@ -248,7 +259,7 @@ def structure(
             key=lambda one: (
                 not one.is_stuck,
                 commanded(one, motors),
-                equations.is_regular(one),
+                equations.is_regular(one, motors, REGULAR),
                 -how_far_beyond(model, one.home),
             ),
         )
@@ -266,6 +277,10 @@ def _is_good(model: pin.Model, found: Structure, motors: Array) -> bool:
     if found.is_stuck:
         return False
     return how_far_beyond(model, found.home) == 0.0 and commanded(found, motors) == most
+
+
+def _is_at(model: pin.Model, home: Array, q: Array) -> bool:
+    return bool(np.abs(pin.difference(model, q, home)).max(initial=0.0) < 1e-6)
 
 
 def _other_starts(
@@ -414,10 +429,19 @@ class _Equations:
             direction = motions.T @ (motions @ direction)
         return False
 
-    def is_regular(self, found: Structure) -> bool:
-        """Tell whether all equations that count do so at home, which is near no singular pose."""
+    def is_regular(self, found: Structure, motors: Array, share: float) -> bool:
+        """Tell whether home is near no singular pose, of the equations or of the motors.
+
+        What counts must do so by a share of what it does elsewhere.
+        """
+        if not found.rank:
+            return True
         values = self.decomposed(found.home)[1]
-        return not found.rank or bool(values[found.rank - 1] > REGULAR * found.kept * values[0])
+        most = commanded(found, motors)
+        works = [np.linalg.svd(motors.T @ one, compute_uv=False)[:most] for one in found.motions]
+        least = np.min(works, axis=-1, initial=np.inf) if most else np.ones(len(works))
+        is_driven = least[0] >= share * least.max()
+        return bool(is_driven and values[found.rank - 1] >= share * found.kept * values[0])
 
     def is_well(self, found: Structure) -> bool:
         """Tell whether all equations that count are stronger than those that rounding can cause."""

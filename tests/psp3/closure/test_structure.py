@@ -274,3 +274,53 @@ def test_small_and_large_robots_are_judged_alike(scale: float) -> None:
     )
     assert found.rank == same.rank == 2
     assert 0.1 < found.mismatch / same.mismatch < 10.0
+
+
+LINK = """<link name="{}"><inertial><mass value="1"/><origin xyz="0 0 0" rpy="0 0 0"/>
+<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>"""
+JOINT = """<joint name="{}" type="{}"><parent link="{}"/><child link="{}"/>
+<origin xyz="{} 0 {}" rpy="0 0 0"/><axis xyz="{}"/>
+<limit lower="-3" upper="3" effort="1" velocity="1"/></joint>"""
+
+
+def slider_crank(folder: Path, offset: float, slide: float) -> Path:
+    """Write a crank of 0.1 m and a rod of 0.35 m, which ends on a slide that starts at a place."""
+    parts = [LINK.format(name) for name in ("base", "crank", "rod", "piston")]
+    parts += [
+        JOINT.format("turn", "revolute", "base", "crank", 0.0, 0.0, "0 -1 0"),
+        JOINT.format("pin", "revolute", "crank", "rod", 0.1, 0.0, "0 -1 0"),
+        JOINT.format("slide", "prismatic", "base", "piston", slide, offset, "1 0 0"),
+        '<link name="end"/>',
+        '<joint name="tip" type="fixed"><parent link="rod"/><child link="end"/>'
+        '<origin xyz="0.35 0 0" rpy="0 0 0"/></joint>',
+    ]
+    (folder / "engine.urdf").write_text(f'<robot name="engine">{"".join(parts)}</robot>', "utf-8")
+    (folder / "engine.yaml").write_text(
+        "closed_loop: [[end, piston]]\ntype: [3d]\nname_mot: [slide]\n", "utf-8"
+    )
+    return folder / "engine.urdf"
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.03])
+def test_a_home_that_is_searched_for_is_not_at_the_dead_center_of_a_motor(
+    tmp_path: Path, offset: float
+) -> None:
+    """At the dead center of an engine its piston cannot turn the crank.
+
+    At a tenth of the greatest leverage, the piston has at least 0.5 mm to go.
+    """
+    robot = psp3.load(slider_crank(tmp_path, offset, slide=0.0))
+    (place,) = robot.reference
+    nearest, farthest = (np.sqrt(reach**2 - offset**2) for reach in (0.25, 0.45))
+    assert nearest + 5e-4 < place < farthest - 5e-4
+    away = robot.configuration(robot.reference + np.array([[5e-4], [-5e-4]]))
+    assert np.isfinite(away).all()
+
+
+def test_a_neutral_pose_that_closes_the_loops_is_no_home_where_it_is_singular(
+    tmp_path: Path,
+) -> None:
+    """Stretched, the engine is at its dead center, where its piston determines nothing."""
+    robot = psp3.load(slider_crank(tmp_path, 0.0, slide=0.45))
+    assert abs(robot.reference[0]) > 5e-4
+    assert np.isfinite(robot.inverse_dynamics(robot.reference, [0.0], [1.0])).all()
