@@ -342,6 +342,18 @@ class FeatureNamesWarning(RaisedOnPurpose, UserWarning):
             )
 
 
+class UnansweredInC(RaisedOnPurpose, UserWarning):
+    """The exported code of a system has no answer at some inputs where the system has one."""
+
+    def __init__(self, name: str, count: int, total: int) -> None:
+        self.name, self.count, self.total = name, count, total
+        super().__init__(
+            f"the code of {name!r} returns 0 and writes NaN at {count} of {total} inputs within "
+            "the ranges, where exact unions of the output sets need more pieces than the code has "
+            "room for; integration='sum' with a resolution has an answer everywhere"
+        )
+
+
 class CodeNotKept(RaisedOnPurpose, UserWarning):
     """Compiled code is missing from the disk, or is damaged."""
 

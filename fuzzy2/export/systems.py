@@ -25,6 +25,7 @@ from fuzzy2.export.system_kernels import (
     answer,
     interval,
 )
+from fuzzy2.export.unanswered import warn_of_unanswered
 from fuzzy2.support.formula_kernels import left_out
 from fuzzy2.systems.anya import AnYaSystem
 from fuzzy2.systems.consequents import Linear
@@ -78,6 +79,11 @@ def export_c(
         If ``name`` is not an identifier in C.
     UnknownName
         If there is no such precision.
+
+    Warns
+    -----
+    UnansweredInC
+        If the code has no answer at some inputs within the ranges, where Python has one.
     """
     code = c_code_of(system, precision=precision, name=name)
     code.write(path)
@@ -91,6 +97,9 @@ def c_code_of(
     system = system_of(system)
     tables = Known("system", tables_of(system))
     each = getattr(system, "systems", [system])
+    for one in each:
+        if isinstance(one, FuzzySystem):
+            warn_of_unanswered(one, _tabled(one), name)
     constants, never = without_shapes(each), _functions_left_out(each)
     about = _about(system, Precision(precision).name)
     writer = CWriter(name, precision, about, constants=constants, never=never)
