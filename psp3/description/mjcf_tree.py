@@ -12,6 +12,7 @@ The limits of the joints are stored separately.
 
 from __future__ import annotations
 
+import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterable
 from pathlib import Path
@@ -29,6 +30,9 @@ from psp3.description.xml import described
 
 IN_A_BODY = {"inertial", "joint", "freejoint", "geom", "site", "body", "camera", "light"}
 """The elements that a body may hold."""
+
+BETWEEN_JOINTS = re.compile(r"(?P<owner>.*):\d+", re.DOTALL)
+"""Name of the massless body between two joints of one body, made of that body's name."""
 
 RESERVED = "universe"
 """Pinocchio's name for the fixed world; its parser crashes if a joint has this name."""

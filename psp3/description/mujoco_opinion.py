@@ -24,6 +24,9 @@ Rounding errors of both readers are below 1e-12, but MuJoCo stores mesh vertices
 precision.
 """
 
+REFUSED = "file"
+"""What MuJoCo refuses, instead of reading it otherwise."""
+
 
 class Disagreement(NamedTuple):
     """A quantity that the two readers of a file give differently."""
@@ -38,6 +41,8 @@ class Disagreement(NamedTuple):
     """The value that MuJoCo compiles."""
 
     def __str__(self) -> str:
+        if self.what == REFUSED:
+            return f"MuJoCo refuses {self.name}, which is read here: {self.theirs}"
         return f"{self.what} of {self.name}: {self.ours} here, {self.theirs} by MuJoCo"
 
 
@@ -71,7 +76,7 @@ def mujoco_disagreements(path: str | Path) -> list[Disagreement]:
     try:
         engine = mujoco.MjModel.from_xml_path(str(path))
     except ValueError as error:
-        return [Disagreement("file", str(path), "read", " ".join(str(error).split()))]
+        return [Disagreement(REFUSED, str(path), "read", " ".join(str(error).split()))]
     data, ours = mujoco.MjData(engine), model.createData()
     found = []
     # Compare the reference pose, and a pose in which every joint has moved.

@@ -80,7 +80,7 @@ from psp3.robots.implementations import implementation
 from psp3.robots.inertias import check_model, warning_of_inertias
 from psp3.robots.learning_inputs import LearningInputs, positions_and_speeds
 from psp3.robots.loop_forces import ClosureForces, forces_of_motion
-from psp3.robots.mismatch import ClosureMismatch, allowance, warnings_of
+from psp3.robots.mismatch import ClosureMismatch, allowance, findings_of_loops, warnings_of
 from psp3.robots.pickling import constraints, plain
 from psp3.robots.simple_joints import SimpleTree
 
@@ -159,6 +159,8 @@ class ClosedLoopRobot(Described):
         Degrees of freedom of the mechanism, and how many of them its motors command.
     closure_mismatch : ClosureMismatch
         How far the loops contradict themselves because of rounded numbers.
+    loop_findings : tuple of Finding
+        What is doubtful about the loops, with remedies; it is also logged.
 
     Raises
     ------
@@ -253,8 +255,8 @@ class ClosedLoopRobot(Described):
         moved = float(np.abs(pin.difference(model, made.given, self.q0)).max(initial=0.0))
         self.closure_mismatch = ClosureMismatch(made.found.length, made.found.angle, moved)
         worst = made.names[made.found.worst] if made.names else ""
-        told = warnings_of(self, worst, made.found)
-        for one in (*told, warning_of_inertias(model)):
+        self.loop_findings = findings_of_loops(model, worst, made.found, moved)
+        for one in (*warnings_of(self), warning_of_inertias(model)):
             if one:
                 logger.warning("%s", one)
 

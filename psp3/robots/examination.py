@@ -7,10 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from psp3.closure.structure import TOLD_MISMATCH, closure_names, robot_size
+from psp3.closure.structure import closure_names, robot_size
+from psp3.description.mjcf_tree import BETWEEN_JOINTS
 from psp3.multibody.equations import Coupling, Hinge
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from psp3.robots.inertias import impossible
+from psp3.robots.mismatch import Finding
 from psp3.robots.second_opinion import Opinion, mujoco_opinion
 
 LIGHT = 1e-9
@@ -22,13 +24,6 @@ HELD = (
     ("the spin of ", True, "nothing for a rod; else hold or drive it (joint_type)"),
 )
 """Held motions: their names, whether each is the spin of a ball joint, and the remedy."""
-
-
-class Finding(NamedTuple):
-    """A problem that the owner of a file should know about, and its remedy."""
-
-    what: str
-    remedy: str
 
 
 class Examination(NamedTuple):
@@ -72,8 +67,9 @@ def examine(robot: ClosedLoopRobot) -> Examination:
     -------
     Examination
         Its parts, with findings about held motions, motors that other motors determine, joints
-        beyond their limits, loops that contradict themselves, bodies with an impossible inertia,
-        coordinates that move almost no mass, and differences from MuJoCo's reading.
+        beyond their limits, loops that contradict themselves or do not leave home, bodies with an
+        impossible inertia, moving links without mass, coordinates that move almost no mass, and
+        differences from MuJoCo's reading.
     """
     opinion = mujoco_opinion(robot)
     closures = [*robot.constraint_models, *robot.equations]
@@ -94,8 +90,9 @@ def examine(robot: ClosedLoopRobot) -> Examination:
         findings=(
             *_of_motions(robot),
             *_of_limits(robot),
-            *_of_loops(robot),
+            *robot.loop_findings,
             *_of_inertias(robot.model),
+            *_of_missing_mass(robot.model),
             *_of_mass_matrix(robot),
             *_of_opinion(opinion),
         ),
@@ -120,10 +117,10 @@ def _of_motions(robot: ClosedLoopRobot) -> list[Finding]:
             findings.append(Finding(f"no motor commands {kind}{names}: held at home", remedy))
     if robot.mobility.over_actuation:
         followers = ", ".join(robot.mobility.dependent_actuators)
+        motors = _counted(robot.mobility.over_actuation, "more motor")
         findings.append(
             Finding(
-                f"{robot.mobility.over_actuation} more motors than freedoms: {followers} could "
-                "be left out",
+                f"{motors} than freedoms: {followers} could be left out",
                 "actuator_forces shares the work between them; preload has what they can do "
                 "against each other",
             )
@@ -148,23 +145,14 @@ def _of_opinion(opinion: Opinion) -> list[Finding]:
         return []
     return [
         Finding(
-            f"MuJoCo reads {len(opinion.disagreements)} numbers of this file otherwise",
+            f"MuJoCo reads {_counted(len(opinion.disagreements), 'number')} of this file otherwise",
             "compare the two readings above; if ours is wrong, please report it",
         )
     ]
 
 
-def _of_loops(robot: ClosedLoopRobot) -> list[Finding]:
-    length, angle, moved = robot.closure_mismatch
-    if max(length / robot_size(robot.model, robot.q0), angle) <= TOLD_MISMATCH:
-        return []
-    return [
-        Finding(
-            f"the loops contradict each other by {length:.2g} m and {angle:.2g} rad; they are "
-            f"closed as well as they can be, and home was moved by {moved:.2g} (m, rad)",
-            "write the file with more digits: forward dynamics is as good as its digits",
-        )
-    ]
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 def _of_inertias(model: pin.Model) -> list[Finding]:
@@ -179,6 +167,45 @@ def _of_inertias(model: pin.Model) -> list[Finding]:
                 )
             )
     return findings
+
+
+def _of_missing_mass(model: pin.Model) -> list[Finding]:
+    """Report links without mass that move, unless a reader made them.
+
+    All that is fixed to each other is one body, named after its first link. Joints that this
+    package adds, such as the first one of a universal joint, carry no link.
+    """
+    names = []
+    for number, inertia in list(enumerate(model.inertias))[1:]:
+        # An inertia without mass is a finding of its own.
+        if inertia.mass == 0.0 and not impossible(inertia):
+            names += _links(model, number)[:1]
+    if not names:
+        return []
+    links = f"link {names[0]} has" if len(names) == 1 else f"links {', '.join(names)} have"
+    return [
+        Finding(
+            f"the moving {links} no mass",
+            "give mass and inertia, except to a part that stands for no body, such as the cross "
+            "of a universal joint",
+        )
+    ]
+
+
+def _links(model: pin.Model, joint: int) -> list[str]:
+    """Return the links of a file that move with a joint."""
+    return [
+        str(frame.name)
+        for frame in model.frames
+        if (frame.parentJoint, frame.type) == (joint, pin.FrameType.BODY)
+        and not _is_between_joints(model, frame.name)
+    ]
+
+
+def _is_between_joints(model: pin.Model, name: str) -> bool:
+    """Tell whether the reader of MJCF made a body, because another one has several joints."""
+    match = BETWEEN_JOINTS.fullmatch(name)
+    return match is not None and model.existFrame(match["owner"], pin.FrameType.BODY)
 
 
 def _of_mass_matrix(robot: ClosedLoopRobot) -> list[Finding]:

@@ -23,6 +23,16 @@ MOVES = 1e-3
 """Smallest share of a motion with which a joint takes part in it."""
 
 
+class Finding(NamedTuple):
+    """A problem that the owner of a file should know about, and its remedy."""
+
+    what: str
+    remedy: str
+
+    def __str__(self) -> str:
+        return f"{self.what}: {self.remedy}"
+
+
 class ClosureMismatch(NamedTuple):
     """How far a robot's loops contradict themselves, and how far this moved its home."""
 
@@ -56,28 +66,46 @@ def refuse(
         raise MobilityMismatch(found_mobility, actuated)
 
 
-def warnings_of(robot: Any, loop: str, found: Structure) -> list[str]:
-    """Return the warnings about a robot: rounded loops, removed limits and held motions.
+def findings_of_loops(
+    model: Any, loop: str, found: Structure, home_moved: float
+) -> tuple[Finding, ...]:
+    """Return what is doubtful about loops: rounded ones, and a home that they do not leave.
 
-    ``loop`` names the loop that is most open.
+    ``loop`` names the loop that is most open. The warnings of a robot and its examination both say
+    this.
     """
-    told = []
+    findings = []
     if found.mismatch > TOLD_MISMATCH:
-        told.append(
-            f"{robot.title}: redundant loops contradict each other by {found.length:.2g} m and "
-            f"{found.angle:.2g} rad, most of all {loop!r}; they are closed as well as they can be, "
-            f"and home was moved by {robot.closure_mismatch.home_moved:.2g} (m, rad): more digits "
-            f"would close them (robot.closure_mismatch){_if_exact(robot.model, found)}"
+        # A home that was searched for is closed to less than this.
+        is_moved = home_moved > TOLD_MISMATCH
+        moved = f", and home was moved by {home_moved:.2g} (m, rad)" if is_moved else ""
+        findings.append(
+            Finding(
+                f"redundant loops contradict each other by {found.length:.2g} m and "
+                f"{found.angle:.2g} rad, most of all {loop!r}; they are closed as well as they can "
+                f"be{moved}",
+                "write the file with more digits, because forward dynamics is as good as they are"
+                f"{_if_exact(model, found)}",
+            )
         )
     if found.is_stuck:
-        joints = _stuck(robot.model, found)
+        joints = _stuck(model, found)
         these = f"of {', '.join(joints)} " if joints else ""
-        told.append(
-            f"{robot.title}: home is a singular pose that the loops do not leave: a motion {these}"
-            f"counts as free ({found.freedoms} degrees of freedom), although the loops block it "
-            "farther on: make one of its joints fixed, or give another closed pose (home in an "
-            "SRDF or a key frame)"
+        findings.append(
+            Finding(
+                f"home is a singular pose that the loops do not leave: a motion {these}counts as "
+                f"free ({found.freedoms} degrees of freedom), although the loops block it farther "
+                "on",
+                "make one of its joints fixed, or give another closed pose (home in an SRDF or a "
+                "key frame)",
+            )
         )
+    return tuple(findings)
+
+
+def warnings_of(robot: Any) -> list[str]:
+    """Return the warnings about a robot: doubtful loops, removed limits and held motions."""
+    told = [f"{robot.title}: {finding}" for finding in robot.loop_findings]
     if robot.without_limits:
         told.append(
             f"{robot.title}: the reference pose has {'; '.join(map(str, robot.without_limits))}, "

@@ -15,7 +15,7 @@ import numpy as np
 import pinocchio as pin
 
 from psp3.checks import Array
-from psp3.description.mujoco_opinion import AGREEMENT, mujoco_disagreements
+from psp3.description.mujoco_opinion import AGREEMENT, REFUSED, mujoco_disagreements
 from psp3.description.xml import read_xml
 from psp3.errors import MissingPackage
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
@@ -54,16 +54,29 @@ def mujoco_opinion(robot: ClosedLoopRobot) -> Opinion:
     Returns
     -------
     Opinion
-        The agreement of both, their disagreements, or a note that MuJoCo is not installed.
+        The agreement of both, their disagreements, why MuJoCo refuses the file, or a note that
+        MuJoCo is not installed.
     """
     if robot.mjcf is None and robot.urdf is None:
         return Opinion("", ())
     try:
         if robot.mjcf is not None:
-            return _summed_up(list(map(str, mujoco_disagreements(robot.mjcf))), AGREEMENT)
+            return _of_mjcf(robot.mjcf)
         return _of_urdf(robot, Path(str(robot.urdf)))
     except MissingPackage:
         return Opinion("not installed", ())
+
+
+def _of_mjcf(path: Path) -> Opinion:
+    disagreements = mujoco_disagreements(path)
+    if disagreements and disagreements[0].what == REFUSED:
+        return _refusal(disagreements[0].theirs)
+    return _summed_up(list(map(str, disagreements)), AGREEMENT)
+
+
+def _refusal(reason: str) -> Opinion:
+    """Return the opinion on a file that MuJoCo refuses, of which no number can be compared."""
+    return Opinion(f"refuses the file: {' '.join(reason.split())}", ())
 
 
 def _summed_up(disagreements: list[str], most: float) -> Opinion:
@@ -83,7 +96,7 @@ def _of_urdf(robot: ClosedLoopRobot, path: Path) -> Opinion:
     try:
         engine = mujoco.MjModel.from_xml_string(without_shapes(path))
     except ValueError as error:
-        return Opinion(f"refuses the file: {' '.join(str(error).split())}", ())
+        return _refusal(str(error))
     joints = _common_joints(robot.model, engine)
     if not joints:
         return Opinion("knows none of the joints by name", ())

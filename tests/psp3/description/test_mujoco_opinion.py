@@ -78,6 +78,7 @@ def test_what_mujoco_refuses_is_told(tmp_path: Path) -> None:
     (found,) = mujoco_disagreements(written(tmp_path, text))
     assert (found.what, found.ours) == ("file", "read")
     assert "no.png" in found.theirs
+    assert str(found).startswith(f"MuJoCo refuses {tmp_path / 'robot.xml'}, which is read here: ")
 
 
 def test_what_cannot_be_read_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -90,6 +90,20 @@ def test_what_it_refuses_and_that_it_is_missing_is_said(
         assert mujoco_opinion(one).summary == "not installed"
 
 
+def test_an_mjcf_that_it_refuses_has_no_numbers_to_compare(tmp_path: Path) -> None:
+    """A moving body without mass, which is allowed here, as in a URDF."""
+    path = tmp_path / "arm.xml"
+    path.write_text(
+        """<mujoco><worldbody><body name="arm"><joint name="hinge" axis="0 1 0"/>
+<geom size=".1" mass="0"/><body name="tool"><joint name="slide" type="slide" axis="1 0 0"/>
+<geom size=".1" pos="1 0 0"/></body></body></worldbody></mujoco>"""
+    )
+    found = mujoco_opinion(psp3.load(path, actuated=["hinge", "slide"]))
+    assert found.summary.startswith("refuses the file: Error: mass and inertia of moving bodies")
+    assert "mjMINVAL" in found.summary
+    assert found.disagreements == ()
+
+
 def test_a_robot_of_no_file_has_no_opinion() -> None:
     robot = psp3.load("five_bar")
     made = psp3.ClosedLoopRobot(robot.model, robot.constraint_models, robot.actuated, robot.q0)
