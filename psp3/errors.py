@@ -229,11 +229,12 @@ class NoFiniteAnswer(PSP3Error, ValueError):
     Speeds or forces are too large for a floating-point number, or a motion has no inertia.
     """
 
+    REMEDY = "give smaller speeds or forces, or every motion some mass or inertia"
+
     def __init__(self, positions: Any) -> None:
         self.positions = positions
         super().__init__(
-            f"there is no finite answer at the actuated positions {positions}: give smaller speeds "
-            "or forces, or every motion some mass or inertia"
+            f"there is no finite answer at the actuated positions {positions}: {self.REMEDY}"
         )
 
 
@@ -450,7 +451,7 @@ class SimulationStopped(PSP3Error, RuntimeError):
         )
         super().__init__(
             f"{message} at t = {time:.6g} s: positions {_numbers(positions)}, speeds "
-            f"{_numbers(speeds)}, torque {_numbers(torque)} (SI units)"
+            f"{_numbers(speeds)}, torque {shortened(_numbers(torque))} (SI units)"
         )
 
     @property
@@ -462,7 +463,8 @@ class SimulationStopped(PSP3Error, RuntimeError):
 class SimulationDiverged(SimulationStopped):
     """The simulated robot left its workspace.
 
-    An arm length, a stroke, a joint limit or the range of the floating-point numbers was exceeded.
+    An arm length, a stroke, a joint limit or the range of the floating-point numbers was exceeded,
+    or a motion has no mass and no inertia.
     """
 
 

@@ -50,6 +50,18 @@ def content_of(path: str | os.PathLike[str], most: int = LARGEST_TEXT) -> bytes:
     return content
 
 
+def not_read(error: Exception, otherwise: str = "cannot be read") -> str:
+    """Return why a file cannot be used, as a person would say it.
+
+    A file that is missing is called that, and not one that is malformed.
+    """
+    if isinstance(error, FileNotFoundError):
+        return "no such file"
+    if isinstance(error, IsADirectoryError):
+        return "is a directory"
+    return f"{otherwise} ({getattr(error, 'strerror', None) or error})"
+
+
 def shortened(text: str, most: int = LONGEST_REASON) -> str:
     """Return a text, or its beginning and its end, which holds the remedy, if it is too long."""
     if len(text) <= most:

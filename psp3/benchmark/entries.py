@@ -27,6 +27,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fuzzy2.support.bounded_files import not_read
 from psp3.benchmark.learned import LearnedComputedTorque
 from psp3.benchmark.readings import Lesson
 from psp3.benchmark.tasks import Task
@@ -112,7 +113,7 @@ def load_entry(path: str | Path) -> Entry:
     try:
         source = path.read_bytes()
     except OSError as error:
-        raise InvalidEntry(str(path), f"cannot be read: {error.strerror}") from error
+        raise InvalidEntry(str(path), not_read(error)) from error
     if path.suffix != ".py":
         raise InvalidEntry(str(path), "is not a Python file; its name must end in .py")
     made = _OfFile(str(path), source)

@@ -81,8 +81,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="Dynamics and control of the 3-PSP parallel robot, and of any robot with loops.",
     epilog=(
-        "Lengths are in meters and angles in degrees, lists are separated by commas. 'psp3 "
-        "COMMAND --help' explains a command."
+        "Lengths are in meters and angles in radians; options in degrees are marked DEGREES. "
+        "Lists are separated by commas. 'psp3 COMMAND --help' explains a command."
     ),
 )
 

@@ -2,7 +2,8 @@
 
 Only typer is imported here; each command imports what it needs when it runs, so that
 ``psp3 --help`` answers at once. Results go to standard output, progress and errors to standard
-error. Lengths are meters, angles degrees.
+error. Lengths are meters, angles radians; tilt and azimuth of the 3-PSP are
+degrees.
 """
 
 from __future__ import annotations

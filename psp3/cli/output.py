@@ -326,6 +326,7 @@ def cell_text(value: Any) -> str:
 
 OPTIONS = {
     "actuated=[...]": "--actuated NAME,NAME",
+    "amplitude=...": "--amplitude A",
     'free="keep"': "--free keep",
     'free="lock"': "--free lock",
     'free="refuse"': "--free refuse",
@@ -333,13 +334,14 @@ OPTIONS = {
     "n_terms": "--terms",
     "snr_db": "--snr",
     "psp3.load('my_robot.urdf')": "my_robot.urdf",
+    "robot.dynamics('noc')": "--model noc",
+    "robot.dynamics('pinocchio')": "--model pinocchio",
 }
 """Names of remedies in Python, and on the command line."""
 
 
 REMEDIES = {
     "no such file": "correct its name, or give its folder, too",
-    "(No such file or directory)": "correct its name, or give its folder, too",
     " is a file": "name a directory",
     " is a directory": "name a file",
 }
@@ -418,8 +420,8 @@ def _words_of(error: Exception) -> str | None:
     if isinstance(error, RaisedOnPurpose):
         return f"psp3: {as_options(str(error))}"
     if isinstance(error, OSError):
-        reason = error.strerror or str(error)
-        return (
-            f"psp3: {error.filename}: {reason}" if error.filename is not None else f"psp3: {reason}"
-        )
+        missing = isinstance(error, FileNotFoundError)
+        reason = "no such file" if missing else error.strerror or str(error)
+        named = reason if error.filename is None else f"{error.filename}: {reason}"
+        return f"psp3: {_with_remedy(named)}"
     return None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeGuard
 
 from fuzzy2.support.compiled import chosen_by_table
 from psp3.checks import Array
@@ -60,6 +60,16 @@ def widths_of(robot: Any) -> Widths:
     """Return the sizes of the inputs and outputs of a robot's controller."""
     positions, speeds = len(robot.reference), len(robot.coordinates_v)
     return Widths(robot.commanded, positions, speeds, len(robot.actuated))
+
+
+def may_be_compiled(controller: Any) -> TypeGuard[CompiledController]:
+    """Tell whether a controller is made for the compiled loop.
+
+    An attribute ``table`` alone does not show it: a controller of a user's may keep a table of
+    numbers.
+    """
+    methods = (getattr(controller, name, None) for name in ("table", "take"))
+    return all(map(callable, methods)) and hasattr(controller, "numbers_said")
 
 
 class CompiledController(Controller, Protocol):

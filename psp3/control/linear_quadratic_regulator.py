@@ -39,7 +39,7 @@ from psp3.dynamics.linearization import LinearSystem, checked_matrices, discreti
 from psp3.errors import InvalidArray, InvalidValue, NoStabilizingSolution
 from psp3.multibody.core import Tables
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
-from psp3.trajectories.motion import Motion
+from psp3.trajectories.motion import Motion, motion_at
 from psp3.trajectories.trajectory import Trajectory
 
 MOST_PERIODS = 10**6
@@ -360,7 +360,7 @@ class TimeVaryingLinearQuadraticRegulator(Described, SaysNothing):
         duration = checked_positive("duration", duration)
         check_periods(duration, self.period, MOST_PERIODS)
         self.t = self.period * np.arange(int(duration / self.period + 1e-9) + 1)
-        motion = trajectory(self.t)
+        motion = motion_at(trajectory, self.t, robot.commanded)
         self.system = discretize(
             linearize(robot, motion.positions, motion.speeds, motion.accelerations), self.period
         )

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from fuzzy2.support.bounded_files import content_of, shortened
+from fuzzy2.support.bounded_files import content_of, not_read, shortened
 from fuzzy2.support.logs import logger_named
 from psp3.description.joint_replacement import REPLACEMENTS
 from psp3.errors import InvalidRobotFile
@@ -134,9 +134,7 @@ def _keys(path: Path) -> dict[str, Any]:
     try:
         root = yaml.compose(content_of(path, LARGEST).decode("utf-8-sig"), Loader)
     except (OSError, ValueError, RecursionError, yaml.YAMLError) as error:
-        raise InvalidRobotFile(
-            path, f"cannot be read as YAML ({getattr(error, 'strerror', None) or error})"
-        ) from error
+        raise InvalidRobotFile(path, not_read(error, "cannot be read as YAML")) from error
     if root is None or root.id != "mapping" or root.tag != TABLE:
         raise InvalidRobotFile(path, "must hold the keys closed_loop, type and name_mot")
     keys = [

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fuzzy2.support.bounded_files import content_of
+from fuzzy2.support.bounded_files import content_of, not_read
 from psp3.checks import Array, Indices
 from psp3.errors import InvalidFile
 
@@ -76,7 +76,7 @@ def read_mesh(path: Path) -> Mesh:
     try:
         content = content_of(path, LARGEST_MESH)
     except OSError as error:
-        raise InvalidFile(path, error.strerror or "cannot be read") from error
+        raise InvalidFile(path, not_read(error)) from error
     try:
         mesh = {".stl": _stl, ".obj": _obj, ".msh": _msh}[suffix](content)
     except (ValueError, IndexError, OverflowError) as error:

@@ -16,7 +16,7 @@ from xml.parsers import expat
 import numpy as np
 import pinocchio as pin
 
-from fuzzy2.support.bounded_files import content_of
+from fuzzy2.support.bounded_files import content_of, not_read
 from psp3.checks import Array
 from psp3.description.xml import BLANKS, NUMBER, BoundedBuilder, Refused, described
 from psp3.errors import InvalidRobotFile
@@ -280,7 +280,7 @@ def _parsed(path: Path) -> ElementTree.Element:
     is refused, because some parsers expand its entities and others drop them.
     """
     if not path.is_file():
-        raise InvalidRobotFile(path, "no such file")
+        raise InvalidRobotFile(path, "is a directory" if path.is_dir() else "no such file")
     parser, builder = expat.ParserCreate(), BoundedBuilder()
     parser.StartElementHandler, parser.EndElementHandler = builder.start, builder.end
     parser.CharacterDataHandler = builder.data
@@ -293,9 +293,7 @@ def _parsed(path: Path) -> ElementTree.Element:
     except Refused as error:
         raise InvalidRobotFile(path, str(error)) from None
     except (OSError, expat.ExpatError, LookupError, ValueError, AssertionError) as error:
-        raise InvalidRobotFile(
-            path, f"cannot be read as XML ({getattr(error, 'strerror', None) or error})"
-        ) from error
+        raise InvalidRobotFile(path, not_read(error, "cannot be read as XML")) from error
 
 
 def _without_comments(content: bytes) -> bytes:

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fuzzy2.support.bounded_files import DEEPEST, MOST_ELEMENTS, content_of
+from fuzzy2.support.bounded_files import DEEPEST, MOST_ELEMENTS, content_of, not_read
 from psp3.checks import Array
 from psp3.errors import InvalidRobotFile
 
@@ -99,7 +99,7 @@ def read_xml(path: Path, tag: str | None) -> ElementTree.Element:
         document type or its own entities, or has another outermost element.
     """
     if not path.is_file():
-        raise InvalidRobotFile(path, "no such file")
+        raise InvalidRobotFile(path, "is a directory" if path.is_dir() else "no such file")
     try:
         text = content_of(path).lstrip(BLANKS.encode())
         parser = ElementTree.XMLParser(target=BoundedBuilder())
@@ -110,9 +110,7 @@ def read_xml(path: Path, tag: str | None) -> ElementTree.Element:
     except Refused as error:
         raise InvalidRobotFile(path, str(error)) from None
     except (OSError, ElementTree.ParseError, LookupError, ValueError) as error:
-        raise InvalidRobotFile(
-            path, f"cannot be read as XML ({getattr(error, 'strerror', None) or error})"
-        ) from error
+        raise InvalidRobotFile(path, not_read(error, "cannot be read as XML")) from error
     if tag is not None and root.tag != tag:
         raise InvalidRobotFile(path, f"its outermost element must be <{tag}>, not <{root.tag}>")
     return root

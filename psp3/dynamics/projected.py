@@ -398,10 +398,12 @@ class ProjectedDynamics(Described):
         n = self.actuated_v.size
         if self._more.rows or self._elements.are_there or self._mechanism.mismatch > 1e-9:
             raise InvalidValue(
-                "derivatives by robot.dynamics('pinocchio') of a robot with",
-                "couplings, hinges, held spins, springs, damping or rounded loops",
-                "a tree with exact closures at points or frames; those of the robot itself cover "
-                "the rest",
+                "robot",
+                f"{self.model.name} with couplings, hinges, held spins, springs, damping "
+                "or rounded loops",
+                "a tree with exact closures at points or frames and nothing else for derivatives "
+                "by robot.dynamics('pinocchio') (robot.inverse_dynamics_derivatives covers every "
+                "robot)",
             )
         found = self._map(
             lambda a, v, w: projected_derivatives(self, self.closure(a), v, w),

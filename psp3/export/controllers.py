@@ -17,7 +17,7 @@ from fuzzy2.errors import NotExportable
 from fuzzy2.export.c_code import Argument, CCode, CWriter, Known, Mixed
 from fuzzy2.export.systems import without_shapes
 from psp3.checks import Array, checked_count, checked_positive, one_or_each
-from psp3.control.controller import Widths, widths_of
+from psp3.control.controller import Widths, may_be_compiled, widths_of
 from psp3.control.feedback import check_feedback
 from psp3.control.kernels import (
     COMPUTED_TORQUE,
@@ -140,7 +140,7 @@ def _exported(controller: Any, robot: Any) -> Exported:
     check_feedback(robot, controller)
     widths = widths_of(robot)
     controller.reset()
-    table = controller.table(NO_MODEL, widths) if hasattr(controller, "table") else None
+    table = controller.table(NO_MODEL, widths) if may_be_compiled(controller) else None
     if type(table) not in KINDS:
         wanted = "a trained controller that the compiled loop takes, without a path or a model in "
         "Python"

@@ -11,6 +11,7 @@ import numpy as np
 
 from fuzzy2.files.json_files import from_json, to_json
 from fuzzy2.learning.partition import KINDS
+from fuzzy2.support.bounded_files import not_read
 from fuzzy2.support.json_text import parse_json
 from fuzzy2.support.text_files import read_text, write_text
 from fuzzy2.systems.general_type2 import GeneralType2System
@@ -100,7 +101,7 @@ def load(kind_of_controller: type[Any], path: str | Path, robot: Any) -> Any:
     except InvalidControllerFile:
         raise
     except OSError as error:
-        raise InvalidControllerFile(path, f"cannot be read ({error.strerror or error})") from error
+        raise InvalidControllerFile(path, not_read(error)) from error
     except (ValueError, TypeError, OverflowError, RecursionError) as error:
         raise InvalidControllerFile(path, f"is not a whole controller file ({error})") from error
     except KeyError as error:

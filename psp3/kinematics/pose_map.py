@@ -19,7 +19,7 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzy2.support.bounded_files import LARGEST_NUMBERS
+from fuzzy2.support.bounded_files import LARGEST_NUMBERS, not_read
 from fuzzy2.support.described import Described
 from fuzzy2.support.json_text import parse_json
 from fuzzy2.support.text_files import read_text, write_text
@@ -214,7 +214,7 @@ class KinematicMap(Described):
         try:
             content = parse_json(read_text(path, checked_count("largest", largest)))
         except OSError as error:
-            raise InvalidMapFile(path, f"cannot be read ({error.strerror or error})") from error
+            raise InvalidMapFile(path, not_read(error)) from error
         except ValueError as error:
             raise InvalidMapFile(path, f"is not JSON ({error})") from error
         return cls(**_Reader(path).fields(content))

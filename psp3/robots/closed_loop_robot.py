@@ -526,12 +526,15 @@ class ClosedLoopRobot(Described):
             :class:`psp3.dynamics.projected.ProjectedDynamics`) or ``"noc"`` (the thesis's natural
             orthogonal complement, eq. 3.2–3.4, see :class:`psp3.NaturalOrthogonalComplement`). The
             latter two close the loops with Newton's method from home (eq. 3.15), each with its own
-            constraints.
+            constraints. All have ``equation_of_motion`` and ``actuator_forces`` of actuated
+            positions and speeds; the other methods of ``"noc"`` take q and v of all joints.
 
         Raises
         ------
         UnknownName
             If there is no implementation of that name; the error lists the known ones.
+        InvalidValue
+            If ``"noc"`` does not cover a part of the robot.
         """
         return implementation(self, name)
 
@@ -1250,7 +1253,7 @@ class ClosedLoopRobot(Described):
         Raises
         ------
         InvalidArray, ClosureFailed, JointLimitExceeded
-            See :meth:`configuration`; also if the robot has no tip.
+            See :meth:`configuration`, also for a robot without a tip.
         """
         if self.model.existFrame("tip"):
             return self.frame_placement(positions, "tip")[..., :3, 3]

@@ -28,10 +28,10 @@ def implementation(robot: Any, name: str) -> DynamicsModel:
     unknown = unknown_to_the_thesis(robot)
     if unknown and name == "noc":
         raise InvalidValue(
-            f"robot.dynamics({name!r}) of a robot with",
-            unknown,
-            "a tree with closures at points or frames; robot.dynamics('pinocchio') covers "
-            "the rest, too",
+            "robot",
+            f"{robot.title} with {unknown}",
+            "a tree with closures at points or frames and nothing else for robot.dynamics('noc') "
+            "(robot.dynamics('pinocchio') covers every robot)",
         )
     if name == "pinocchio":
         from psp3.dynamics.projected import ProjectedDynamics

@@ -16,6 +16,7 @@ import numpy as np
 from psp3.checks import Array
 from psp3.control.controller import Controller
 from psp3.simulation import kernels
+from psp3.simulation.arguments import checked_state
 from psp3.simulation.encoder import Encoder
 from psp3.simulation.kernels import BEYOND_LIMITS, LEFT_POSES, NO_FORCE, WHOLE, Track, Wires
 from psp3.simulation.plant import Plant
@@ -209,9 +210,9 @@ def python_loop(
         reached = plant.advance(force, wiring.period)
         if reached is None:
             return Ended(k + 1, LEFT_POSES, row.copy())
-        positions, speeds = reached
+        positions, speeds = checked_state(reached, p, len(speeds))
         if not _is_between(low, positions.tolist(), high):
-            return Ended(k + 1, BEYOND_LIMITS, np.concatenate(reached))
+            return Ended(k + 1, BEYOND_LIMITS, np.concatenate([positions, speeds]))
     return Ended(count, WHOLE, track.states[-1].copy())
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzy2.support.bounded_files import not_read
 from fuzzy2.support.described import Described
 from fuzzy2.support.text_files import written_whole
 from psp3.checks import Array, checked_count, checked_path
@@ -161,9 +162,7 @@ def load_result(path: str | Path, largest: int = LARGEST) -> Result:
     try:
         content: dict[str, Any] = dict(arrays_of(path, largest))
     except (OSError, ValueError) as error:
-        raise InvalidResultFile(
-            path, f"is not a whole result file ({getattr(error, 'strerror', None) or error})"
-        ) from error
+        raise InvalidResultFile(path, not_read(error, "is not a whole result file")) from error
     found = str(content.pop("format", "none"))
     if found != FORMAT:
         raise InvalidResultFile(path, f"has format {found!r}, this version reads {FORMAT!r}")

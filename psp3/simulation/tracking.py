@@ -5,7 +5,6 @@ The controller is called once a control period, and its force is held in between
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -22,20 +21,29 @@ from psp3.checks import (
     one_row,
 )
 from psp3.collisions.motion import check_clearance
-from psp3.control.controller import Controller, widths_of
+from psp3.control.controller import Controller, may_be_compiled, widths_of
 from psp3.control.feedback import check_feedback
-from psp3.errors import InvalidTorque, InvalidValue, SimulationDiverged
+from psp3.errors import InvalidTorque, InvalidValue, NoFiniteAnswer, SimulationDiverged
 from psp3.robots.robot import Robot
+from psp3.simulation.arguments import as_object, check_objects, finite_row, set_report
 from psp3.simulation.kernels import LEFT_POSES, NO_FORCE, WHOLE
 from psp3.simulation.loop import Ended, Wiring, compiled_loop, new_track, python_loop
 from psp3.simulation.plant import NO_POSE, Plant
 from psp3.simulation.result import JOINTS, REPORTED, Result
 from psp3.simulation.runge_kutta import RungeKutta
-from psp3.trajectories.motion import Motion, check_stroke, completed
+from psp3.trajectories.motion import Motion, check_stroke, completed, motion_at
 from psp3.trajectories.trajectory import Trajectory
 
 MOST_STEPS = 10**8
 """Greatest number of samples that fits into memory."""
+
+INSTANT = 1e-9
+"""Part of a period in which a robot with a finite acceleration stays where it is."""
+
+NO_ACCELERATION = (
+    f"the robot's accelerations have no finite answer: {NoFiniteAnswer.REMEDY}; the simulation "
+    "ended"
+)
 
 
 def simulate(
@@ -107,7 +115,7 @@ def simulate(
     Raises
     ------
     InvalidValue, InvalidArray
-        If an argument is malformed.
+        If an argument is malformed, or the trajectory or the plant returns something malformed.
     UnreachableTip, UnreachablePose, ClosureFailed
         If the robot cannot make the desired motion, or cannot take the initial state.
     JointLimitExceeded, StrokeExceeded, CollisionFound
@@ -116,20 +124,12 @@ def simulate(
         If the controller does not return m finite numbers.
     SimulationDiverged
         If a nut runs off its screw or another actuated joint leaves its limits, an arm runs off its
-        ball joint, the loops cannot be closed any more, or the numbers overflow. This error and
-        ``InvalidTorque`` hold time, state and torque, and the part simulated so far as
-        ``error.result``.
+        ball joint, the loops cannot be closed any more, the numbers overflow, or a motion has no
+        mass and no inertia. This error and ``InvalidTorque`` hold time, state and torque, and the
+        part simulated so far as ``error.result``.
     """
     checked_robot(robot)
-    for name, given, question in (
-        ("controller", controller, "torque"),
-        ("trajectory", trajectory, "__call__"),
-        ("plant", plant, "advance"),
-        ("progress", progress, "__call__"),
-    ):
-        is_left_out = given is None and name in ("plant", "progress")
-        if not is_left_out and (isinstance(given, type) or not hasattr(given, question)):
-            raise InvalidValue(name, given, f"a {name}, with a method {question}")
+    check_objects(controller=controller, trajectory=trajectory, plant=plant, progress=progress)
     duration, period = checked_positive("duration", duration), checked_positive("period", period)
     # The small excess keeps the last of 5200 periods of 2 ms in 10.4 s in spite of rounding.
     check_periods(duration, period, MOST_STEPS)
@@ -146,9 +146,7 @@ def simulate(
         raise InvalidValue("encoder_resolution", resolution.tolist(), "not negative")
     delay = checked_count("delay", delay, 0)
     t: Array = period * np.arange(steps + 1, dtype=np.float64)
-    desired = trajectory(t)
-    if desired.positions.shape[-1] != k:
-        raise InvalidValue("trajectory", trajectory, f"a motion of {k} actuated joints")
+    desired = motion_at(trajectory, t, k)
     check_stroke(robot, t, desired)
     if clearance is not None:
         check_clearance(robot, completed(robot, desired.positions), t, clearance)
@@ -193,7 +191,7 @@ class _Experiment:
         self._wiring, self._desired, self._progress = wiring, desired, progress
         self._every = max(1, (len(t) - 1) // 100)
         self._reported: dict[str, Any] = {}
-        said = getattr(controller, "numbers_said", 0)
+        said = controller.numbers_said if may_be_compiled(controller) else 0
         self._positions, self._motors = len(wiring.low), len(wiring.limit)
         widths = self._positions + len(robot.coordinates_v), self._motors
         self._track = new_track(t, desired, said, widths)
@@ -203,7 +201,7 @@ class _Experiment:
         self._controller.reset()
         compiled = self._plant.compiled if type(self._plant) is RungeKutta else None
         table = None
-        if compiled is not None and hasattr(self._controller, "table"):
+        if compiled is not None and may_be_compiled(self._controller):
             table = self._controller.table(self._robot.compiled_table(), widths_of(self._robot))
         ended = self._in_python(state) if table is None else self._compiled(table, compiled, state)
         if ended.why == WHOLE:
@@ -239,7 +237,7 @@ class _Experiment:
 
         def after(k: int) -> None:
             for name, array in self._reported.items():
-                array[k] = getattr(controller, name)
+                set_report(array, k, controller, name)
             self._tell(k)
 
         return python_loop(
@@ -249,7 +247,7 @@ class _Experiment:
             self._track,
             self._desired,
             state,
-            lambda returned: _finite_row(returned, n),
+            lambda returned: finite_row(returned, n),
             after,
         )
 
@@ -281,16 +279,32 @@ class _Experiment:
                 f"the controller {name} returned something else than {n} finite forces",
                 float(track.t[k]),
                 *state,
-                np.asarray(ended.returned, dtype=object),
+                as_object(ended.returned),
                 self._result(k),
             )
-        message = (
-            "the robot left the poses it can take"
-            if ended.why == LEFT_POSES
-            else self._robot.limit_message
-        )
-        time = float(track.t[k - 1]) + self._wiring.period
+        time, message = float(track.t[k - 1]) + self._wiring.period, self._robot.limit_message
+        if ended.why == LEFT_POSES:
+            message = "the robot left the poses it can take"
+            if self._is_stuck(*state, track.applied[k - 1]):
+                time, message = float(track.t[k - 1]), NO_ACCELERATION
         return SimulationDiverged(message, time, *state, track.applied[k - 1], self._result(k))
+
+    def _is_stuck(self, positions: Array, speeds: Array, forces: Array) -> bool:
+        """Tell whether a state has no finite acceleration, so that not a pose is the reason."""
+        self._plant.start(positions.copy(), speeds.copy())
+        # A motor's inertia can be enough, which only the plant knows.
+        if self._plant.advance(forces.copy(), INSTANT * self._wiring.period) is not None:
+            return False
+        robot = self._robot
+        if not robot.drives_coordinates:
+            forces = robot.actuation_matrix(positions) @ forces
+        try:
+            robot.forward_dynamics(positions, speeds, forces)
+        except NoFiniteAnswer:
+            return True
+        except NO_POSE:
+            pass
+        return False
 
 
 def _tips(robot: Robot, positions: Array) -> Array:
@@ -304,13 +318,3 @@ def _tips(robot: Robot, positions: Array) -> Array:
         if len(positions) == 1:
             return np.full((1, 3), np.nan)
         return np.concatenate([_tips(robot, row[np.newaxis]) for row in positions])
-
-
-def _finite_row(values: object, width: int) -> Array | None:
-    """Return ``values`` as finite floats of shape (width,), or None."""
-    try:
-        array = np.asarray(values, dtype=np.float64)
-        # Infinite entries of opposite sign add up to NaN, so one sum detects every bad number.
-        return array if array.shape == (width,) and math.isfinite(sum(array.tolist())) else None
-    except (TypeError, ValueError):
-        return None

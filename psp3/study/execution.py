@@ -16,9 +16,10 @@ import numpy as np
 
 from fuzzy2.support.deferred_compilation import deferred_compilation
 from psp3.checks import Array
-from psp3.control.controller import widths_of
+from psp3.control.controller import may_be_compiled, widths_of
 from psp3.robots.payloads import with_payload
 from psp3.simulation import metrics
+from psp3.simulation.arguments import finite_row, set_report
 from psp3.simulation.kernels import WHOLE
 from psp3.simulation.loop import Ended, Wiring, compiled_loop, new_track, new_wires, python_loop
 from psp3.simulation.plant import NO_POSE
@@ -288,13 +289,14 @@ class _Loop:
         self._run, self._robot, self._controller = run, robot, controller
         self._wiring, self._desired = wiring, desired
         widths = len(wiring.low) + len(robot.coordinates_v), len(wiring.limit)
-        self._track = new_track(t, desired, getattr(controller, "numbers_said", 0), widths)
+        said = controller.numbers_said if may_be_compiled(controller) else 0
+        self._track = new_track(t, desired, said, widths)
 
     def run(self, plants: tuple[tuple[Any, int | None], ...], state: Array) -> Result:
         """Return the samples from a state on; fewer than all if the robot is lost."""
         controller, track, table = self._controller, self._track, None
         controller.reset()
-        if hasattr(controller, "table"):
+        if may_be_compiled(controller):
             table = controller.table(self._robot.compiled_table(), widths_of(self._robot))
         if table is None:
             done, said = self._in_python(plants, state)
@@ -336,6 +338,7 @@ class _Loop:
         self, plants: tuple[tuple[Any, int | None], ...], state: Array
     ) -> tuple[int, dict[str, Any]]:
         controller, count = self._controller, len(self._track.t)
+        motors = len(self._wiring.limit)
         said = {
             name: np.zeros(count, bool)
             for name in ("covered", "fell_back")
@@ -344,7 +347,7 @@ class _Loop:
 
         def after(k: int) -> None:
             for name, flags in said.items():
-                flags[k] = getattr(controller, name)
+                set_report(flags, k, controller, name)
 
         ended = python_loop(
             controller,
@@ -353,7 +356,7 @@ class _Loop:
             self._track,
             self._desired,
             state,
-            _finite,
+            lambda returned: finite_row(returned, motors),
             after,
         )
         return ended.samples, said
@@ -382,15 +385,6 @@ class _Plants:
         if reached is not None:
             self._state = reached[0].copy(), reached[1].copy()
         return reached
-
-
-def _finite(returned: object) -> Array | None:
-    """Return forces as floats, or None if they are not finite."""
-    try:
-        forces = np.asarray(returned, dtype=float)
-    except (TypeError, ValueError):
-        return None
-    return forces if np.isfinite(forces).all() else None
 
 
 def _tips(robot: Any, positions: Array) -> Array:

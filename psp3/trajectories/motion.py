@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from psp3.checks import Array, checked_kind, checked_robot, finite_array
-from psp3.errors import InvalidArray, StrokeExceeded
+from psp3.checks import Array, as_floats, checked_kind, checked_robot, finite_array
+from psp3.errors import InvalidArray, InvalidValue, StrokeExceeded
 from psp3.robots.robot import Robot
 
 
@@ -70,6 +70,37 @@ def check_stroke(robot: Robot, t: Array, motion: Motion) -> None:
         raise StrokeExceeded(
             float(np.broadcast_to(t, outside.shape)[first]), motion.positions[first], lower, upper
         )
+
+
+def motion_at(trajectory: Any, t: Array | NDArray[np.floating[Any]], width: int) -> Motion:
+    """Return a trajectory's motion at times (N,), of ``width`` joints.
+
+    Trajectories may be functions of the user's own, so what they return is checked.
+
+    Raises
+    ------
+    InvalidValue, InvalidArray
+        If it is not a :class:`Motion` with one row of finite numbers for each time, and of a tip,
+        which may be NaN.
+    """
+    motion = trajectory(t)
+    checked_kind(
+        "what the trajectory returns",
+        motion,
+        Motion,
+        "a psp3.trajectories.Motion of positions, speeds, accelerations and tip",
+    )
+    columns, parts = np.shape(as_floats("positions of the trajectory", motion[0], "(N, n)")), []
+    if columns[1:] not in ((), (width,)):
+        raise InvalidValue("trajectory", trajectory, f"a motion of {width} actuated joints")
+    for field, values in zip(Motion._fields, motion, strict=True):
+        name, shape = f"{field} of the trajectory", (len(t), 3 if field == "tip" else width)
+        part = as_floats(name, values, str(shape))
+        is_finite = field == "tip" or np.isfinite(part).all()
+        if np.shape(values) != shape or not is_finite:
+            raise InvalidArray(name, str(shape), values)
+        parts.append(part)
+    return Motion(*parts)
 
 
 def finite_times(t: ArrayLike) -> Array:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fuzzy2.support.bounded_files import LARGEST_NUMBERS, content_of, shortened
+from fuzzy2.support.bounded_files import LARGEST_NUMBERS, content_of, not_read, shortened
 from psp3.checks import Array, checked_path, checked_robot, finite_rows
 from psp3.description.xml import LONGEST_SHOWN, NUMBER
 from psp3.errors import InvalidArray, InvalidTrajectoryFile, InvalidValue
@@ -266,9 +266,7 @@ def _read_table(path: Path, known: dict[str, tuple[str, ...]]) -> tuple[str, Arr
         if next(lines, None) is not None:
             raise InvalidTrajectoryFile(path, f"has more than {MOST_ROWS} rows: thin it out")
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InvalidTrajectoryFile(
-            path, f"cannot be read ({getattr(error, 'strerror', None) or error})"
-        ) from error
+        raise InvalidTrajectoryFile(path, not_read(error)) from error
     return space, np.array(rows).reshape(-1, len(columns))
 
 

@@ -36,6 +36,12 @@ SAMPLES = 64
 
 HALVINGS = 8
 
+ANOTHER_POSE = (
+    "a pose home in an SRDF beside the URDF and of the same name, a key frame home in an MJCF, or "
+    "q0 of psp3.ClosedLoopRobot"
+)
+"""How a robot gets another reference pose."""
+
 NO_POSE = (
     ClosureFailed,
     JointLimitExceeded,
@@ -97,7 +103,10 @@ class Sway(FourierSeries):
             else:
                 return
         raise InvalidValue(
-            "amplitude", None, f"given: {self.robot.title} can hardly move from its reference pose"
+            "reference pose",
+            home.tolist(),
+            f"farther from singular poses and limits, because {self.robot.title} can hardly move "
+            f"from it (give another: {ANOTHER_POSE}; or a small amplitude=...)",
         )
 
     @property

@@ -99,6 +99,9 @@ def test_help_lists_every_command(psp3_command: Run) -> None:
     answer = psp3_command("--help")
     assert answer.status == 0
     assert all(f" {name} " in answer.out for name in COMMANDS)
+    assert "angles in radians; options in degrees are marked DEGREES" in " ".join(
+        answer.out.split()
+    )
 
 
 def test_no_command_is_wrong_usage_with_the_help(psp3_command: Run) -> None:
@@ -263,7 +266,7 @@ OF_OTHER_ROBOTS = [
             "--rise does not apply to --trajectory circle",
         ),
         ("simulate --trajectory csv", "csv:FILE"),
-        ("simulate --trajectory csv:none.csv", "none.csv: cannot be read"),
+        ("simulate --trajectory csv:none.csv", "none.csv: no such file"),
         (
             "simulate --trajectory csv:here.csv --radius 1",
             "--radius does not apply to --trajectory csv",

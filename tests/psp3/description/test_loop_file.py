@@ -179,8 +179,12 @@ def test_malformed_files_are_refused_with_path_and_reason(
 def test_missing_file_directory_and_binary_file_are_refused(tmp_path: Path) -> None:
     binary = tmp_path / "binary.yaml"
     binary.write_bytes(b"\xff\xfe\x00\xd8")
-    for path in (tmp_path / "no.yaml", tmp_path, binary):
-        with pytest.raises(InvalidRobotFile, match="cannot be read") as caught:
+    for path, reason in (
+        (tmp_path / "no.yaml", "no such file$"),
+        (tmp_path, "is a directory$"),
+        (binary, "cannot be read as YAML"),
+    ):
+        with pytest.raises(InvalidRobotFile, match=reason) as caught:
             read_loops(path)
         assert caught.value.path == path
 

@@ -83,7 +83,7 @@ def test_a_polygon_is_cut_into_a_fan(tmp_path: Path) -> None:
 
 
 BAD = {
-    "no.stl": (None, "No such file"),
+    "no.stl": (None, "no such file"),
     "part.dae": (b"", "is not a supported mesh file; these end in .stl, .obj, .msh"),
     "pointer.stl": (b"version https://git-lfs.github.com/spec/v1", "neither the text form nor"),
     "short.stl": (binary_stl(VERTICES, FACES)[:-1], "neither the text form nor"),

@@ -73,8 +73,8 @@ def test_files_that_no_robot_needs_are_refused_at_once(
 
 
 def test_missing_files_and_directories_are_refused(tmp_path: Path) -> None:
-    for path in (tmp_path / "no.xml", tmp_path):
-        with pytest.raises(InvalidRobotFile, match="no such file"):
+    for path, reason in ((tmp_path / "no.xml", "no such file"), (tmp_path, "is a directory")):
+        with pytest.raises(InvalidRobotFile, match=reason):
             read_xml(path, "robot")
 
 

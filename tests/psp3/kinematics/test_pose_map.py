@@ -212,8 +212,8 @@ def test_files_that_are_something_else(text: bytes, match: str, tmp_path: Path) 
 
 
 def test_missing_file_and_directory(tmp_path: Path) -> None:
-    for path in (tmp_path / "nothing.json", tmp_path):
-        with pytest.raises(InvalidMapFile, match="cannot be read"):
+    for path, reason in ((tmp_path / "nothing.json", "no such file"), (tmp_path, "is a directory")):
+        with pytest.raises(InvalidMapFile, match=reason):
             KinematicMap.load(path)
 
 

@@ -21,5 +21,11 @@ def test_what_the_thesis_has_no_word_for_is_named() -> None:
     assert unknown_to_the_thesis(psp3.load("five_bar")) == ""
     biped = psp3.load("biped")
     assert unknown_to_the_thesis(biped) == "a ball whose spin is held, springs, a floating base"
-    with pytest.raises(InvalidValue, match="springs"):
+    with pytest.raises(InvalidValue, match="springs") as caught:
         implementation(biped, "noc")
+    sentence = "robot must be a tree with closures at points or frames and nothing else"
+    assert str(caught.value).startswith(sentence)
+    assert "robot.dynamics('pinocchio') covers every robot" in str(caught.value)
+    assert str(caught.value).endswith(
+        "got 'biped with a ball whose spin is held, springs, a floating base'"
+    )

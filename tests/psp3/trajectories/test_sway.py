@@ -46,6 +46,23 @@ def test_joints_without_limits_move_as_those_with_wide_ones() -> None:
     np.testing.assert_array_equal(*amplitudes)
 
 
+def test_a_robot_that_can_hardly_move_is_offered_another_home() -> None:
+    """Its elbows are held by their limits."""
+    five_bar = psp3.load("five_bar")
+    model = five_bar.model.copy()
+    for name in ("leg1_elbow", "leg2_elbow"):
+        place = model.joints[model.getJointId(name)].idx_q
+        model.lowerPositionLimit[place] = five_bar.q0[place] - 1e-6
+        model.upperPositionLimit[place] = five_bar.q0[place] + 1e-6
+    robot = psp3.ClosedLoopRobot(model, five_bar.constraint_models, five_bar.actuated, five_bar.q0)
+    with pytest.raises(InvalidValue) as caught:
+        Sway(robot=robot)
+    message = str(caught.value)
+    assert message.startswith("reference pose must be farther from singular poses and limits")
+    assert "a pose home in an SRDF beside the URDF" in message
+    assert caught.value.value == five_bar.reference.tolist()
+
+
 def test_motor_at_a_limit_moves_away_from_it() -> None:
     five_bar = psp3.load("five_bar")
     model = five_bar.model.copy()

@@ -74,7 +74,7 @@ def test_ctrl_c_says_what_is_kept(psp3_command: Run, monkeypatch: pytest.MonkeyP
     ("arguments", "message"),
     [
         (("best",), "unknown entry 'best'"),
-        (("absent.py",), "absent.py: cannot be read"),
+        (("absent.py",), "absent.py: no such file"),
         (("ctc", "--robot", "hexapod"), "unknown robot of the benchmark 'hexapod'"),
         (("ctc", "--reading", "loud"), "unknown reading of noise 'loud'"),
         (

@@ -118,7 +118,7 @@ def test_trained_controller_from_its_file(
         (("delta", "--fmi", "1.0"), "'1.0' is not one of"),
         (("delta", "--actuated", "nobody"), "the robot has no joint 'nobody'"),
         (("psp3", "--free", "lock"), "--free does not apply to the 3-PSP"),
-        (("rules.fis",), "rules.fis: No such file"),
+        (("rules.fis",), "rules.fis: no such file"),
         (("system.json", "--steps", "2"), "--steps does not apply to system.json, which is no"),
         (("system.json",), "it is no model"),
         (("system.json", "psp3"), "ROBOT is for controllers, but system.json is not a controller"),

@@ -227,7 +227,7 @@ def test_fuzzy_controllers_learn_where_they_are_asked_for(psp3_command: Run) -> 
         (("train", "missing/a.json"), "no directory"),
         (
             ("simulate", "--trained", "missing.json"),
-            "missing.json: cannot be read (No such file or directory)",
+            "missing.json: no such file",
         ),
         (
             ("simulate", "--trained", "missing.json", "--kp", "3"),

@@ -61,7 +61,7 @@ def test_a_controller_is_trained_on_measured_forces(psp3_command: Run) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("five_bar", "--record", "none.csv"), "none.csv: cannot be read"),
+        (("five_bar", "--record", "none.csv"), "none.csv: no such file"),
         (("--record", "none.csv", "--radius", "0.01"), "--radius does not apply to --record"),
         (("--record", "none.csv", "--snr", "20"), "--snr does not apply to --record"),
         (("--terms", "5"), "use fewer terms, or take --learner strict"),
