@@ -102,7 +102,8 @@ class InvalidValue(Fuzzy2Error, ValueError):
 
     @staticmethod
     def _shown(value: object) -> str:
-        if isinstance(value, np.ndarray):
+        # array2string would show the values below a mask, which nobody gave.
+        if isinstance(value, np.ndarray) and not isinstance(value, np.ma.MaskedArray):
             return np.array2string(value, threshold=12)
         return in_words(value)
 

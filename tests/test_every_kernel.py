@@ -62,7 +62,11 @@ NOT_FOR_C = {
 """Kernels that Python calls and C cannot say, and why that is right."""
 
 ONLY_OF_THESE = {
+    "fuzzy2.learning.adaptation_kernels._any_basis",
     "fuzzy2.learning.adaptation_kernels._by_end",
+    "fuzzy2.learning.adaptation_kernels._far_basis",
+    "fuzzy2.learning.adaptation_kernels._far_end",
+    "fuzzy2.learning.adaptation_kernels._is_lost",
     "fuzzy2.learning.adaptation_kernels._write",
     "fuzzy2.learning.tuning_kernels._add_consequents",
     "fuzzy2.learning.tuning_kernels._add_end",

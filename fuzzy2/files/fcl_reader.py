@@ -11,7 +11,14 @@ from typing import Any, NamedTuple
 from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedInput
 
-from fuzzy2.errors import Fuzzy2Error, InvalidRule, InvalidValue, NotExpressible, UnknownName
+from fuzzy2.errors import (
+    Fuzzy2Error,
+    InvalidRule,
+    InvalidValue,
+    NotApplicable,
+    NotExpressible,
+    UnknownName,
+)
 from fuzzy2.files.description import SUM, Constant
 from fuzzy2.files.engine import (
     AnySystem,
@@ -39,6 +46,7 @@ from fuzzy2.files.rule_text import rules_of
 from fuzzy2.files.source import Source
 from fuzzy2.sets.type1 import Singleton
 from fuzzy2.support.checks import known_name
+from fuzzy2.systems.averages import Monotonic
 
 _GRAMMAR = r"""
 file: block+
@@ -114,6 +122,10 @@ class FclReader(Source):
 
     def _parsed(self, text: str) -> Tree[Token]:
         blank = _COMMENT.sub(lambda found: re.sub(r"[^\r\n]", " ", found[0]), text)
+        if opened := re.search(r"\(\*|/\*", blank):
+            end = {"(*": "*)", "/*": "*/"}[opened[0]]
+            line = len(re.findall(r"\r\n|\r|\n", blank[: opened.start()])) + 1
+            raise self.malformed(line, f"the comment {opened[0]} has no end; close it with {end}")
         try:
             return _parser().parse(blank)
         except UnexpectedInput as error:
@@ -123,7 +135,10 @@ class FclReader(Source):
             expected = sorted(
                 str(name)
                 for name in (
-                    getattr(error, "accepts", None) or getattr(error, "expected", None) or ()
+                    getattr(error, "accepts", None)
+                    or getattr(error, "expected", None)
+                    or getattr(error, "allowed", None)
+                    or ()
                 )
                 if not str(name).startswith("__")
             )
@@ -425,6 +440,7 @@ class FclReader(Source):
                 self._line(self._tree), f"numbers and sets in {name!r}", "take one kind of terms"
             )
         if not all(numbers):
+            self._check_monotonic(name, said)
             return Output(name, ends, terms, Defuzzifier("tsukamoto"), None, default)
         if method == "COGSS":
             return Output(name, ends, terms, Defuzzifier("weighted_sum"), None, default)
@@ -436,6 +452,23 @@ class FclReader(Source):
         defuzzifier = Defuzzifier("centroid" if united else "center_of_sets")
         joint = None if aggregation == SUM else aggregation
         return Output(name, ends, terms, defuzzifier, joint, default)
+
+    def _check_monotonic(self, name: str, said: list[Any]) -> None:
+        """Refuse sets that an average of points cannot take, at the line of the method."""
+        method = next(
+            part.children[1]
+            for part in reversed(self._of(name, "defuzzify"))
+            if part.data == "option" and str(part.children[0]).upper() == "METHOD"
+        )
+        assert isinstance(method, Token)
+        try:
+            Monotonic(said, None)
+        except NotApplicable as error:
+            raise self.malformed(
+                method.line or 1,
+                f"METHOD : {method} of {name!r} averages numbers, or sets that only rise or only "
+                f"fall, and {error.reason}; take COG for other sets",
+            ) from error
 
     def _default(self, token: Any, otherwise: Any = None) -> float:
         if otherwise is not None and str(token).upper() not in ("NC", "NAN"):

@@ -46,6 +46,8 @@ _KEYS_OF_VARIABLE = (
 NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?|\.[0-9]+(?:[eE][+-]?[0-9]+)?|[iI]nf)"
 QUOTED = r"'((?:[^']|'')*)'"
 VECTOR = r"\[([^\]']*)\]"
+# MATLAB evaluates the text, so a single number needs no brackets.
+PARAMETERS = r"(\[[^\]']*\]|[^\s\[\],;']+)"
 
 
 class Line(NamedTuple):

@@ -18,7 +18,7 @@ from fuzzy2.files.description import (
     Variable,
     system_of,
 )
-from fuzzy2.files.fis_lines import QUOTED, VECTOR, FisLines, Line, Section, unlike
+from fuzzy2.files.fis_lines import PARAMETERS, QUOTED, VECTOR, FisLines, Line, Section, unlike
 from fuzzy2.files.fis_names import (
     AGGREGATIONS,
     DEFUZZIFIERS,
@@ -42,7 +42,9 @@ from fuzzy2.systems.antecedents import Antecedent, Is, mapped
 from fuzzy2.systems.operators import MAXIMA
 from fuzzy2.systems.system import FuzzySystem
 
-_TERM = re.compile(rf"{QUOTED}\s*:\s*{QUOTED}\s*,\s*{VECTOR}(?:\s*,\s*{VECTOR}\s*,\s*{VECTOR})?\s*")
+_TERM = re.compile(
+    rf"{QUOTED}\s*:\s*{QUOTED}\s*,\s*{PARAMETERS}(?:\s*,\s*{VECTOR}\s*,\s*{VECTOR})?\s*"
+)
 
 
 class FisReader(FisLines):
@@ -234,7 +236,7 @@ class FisReader(FisLines):
             if found[4] is None
             else (self.vector(line.number, found[4]), self.vector(line.number, found[5]))
         )
-        return name, kind, self.vector(line.number, found[3]), lower
+        return name, kind, self.vector(line.number, found[3].strip("[]")), lower
 
     def _guarded(self, line: int, kind: str, make: Callable[[], Any]) -> Any:
         """Make a set; an error of its class is reported with the line."""

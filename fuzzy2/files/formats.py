@@ -125,8 +125,17 @@ def save(thing: Any, path: str | os.PathLike[str], **options: Any) -> None:
     if found is None:
         raise UnknownName("suffix of a file", suffix, SUFFIXES)
     if not isinstance(thing, FuzzySystem | ParallelSystem | AnYaSystem) and found is not FORMATS[0]:
-        raise NotExpressible(type(thing).__name__, suffix, "only systems can; use JSON")
+        raise NotExpressible(type(thing).__name__, suffix, _instead(thing))
     found.write(thing, path, **options)
+
+
+def _instead(thing: Any) -> str:
+    """Return why only JSON holds an object that is not a system, or what to save instead of it."""
+    try:
+        json_files.to_json(thing)
+    except NotExpressible as error:
+        return f"only systems can; {error.reason}"
+    return "only systems can; use JSON"
 
 
 def _by_suffix(path: str | os.PathLike[str]) -> Format | None:

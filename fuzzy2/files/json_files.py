@@ -38,6 +38,7 @@ from fuzzy2.files.json_kinds import (
     TRUTH,
     Json,
     Kind,
+    at,
     choice_of,
     list_of,
     malformed,
@@ -258,15 +259,10 @@ _FIELDS: dict[type, dict[str, Kind]] = {
 def _write_object(value: object, path: str) -> dict[str, Json]:
     fields = _FIELDS.get(type(value))
     if fields is None:
-        reason = (
-            "it is given by a Python function; sample it first"
-            if hasattr(value, "function")
-            else "its class has no schema"
-        )
-        raise NotExpressible(f"{type(value).__name__} at {path}", "JSON", reason)
+        raise NotExpressible(f"{type(value).__name__}{at(path)}", "JSON", _reason(value, path))
     if callable(getattr(value, "sigma", None)):
         raise NotExpressible(
-            f"the function sigma at {path}",
+            f"the function sigma{at(path)}",
             "JSON",
             "only numbers can be written; sample the set first",
         )
@@ -274,6 +270,19 @@ def _write_object(value: object, path: str) -> dict[str, Json]:
         name: kind.write(getattr(value, name), f"{path}.{name}") for name, kind in fields.items()
     }
     return {"type": type(value).__name__, **written}
+
+
+def _reason(value: Any, path: str) -> str:
+    """Return why an object without a schema cannot be written, and what can be written instead."""
+    if hasattr(value, "function"):
+        return "it is given by a Python function; sample it first"
+    for name in ("system_", "system"):
+        if isinstance(getattr(value, name, None), FuzzySystem):
+            return f"it is not a system itself; save its {name}"
+    if callable(getattr(value, "fit", None)):
+        return "it has learned nothing yet; call fit, and save its system_"
+    known = "a system, a set or a list of rules" if path == "$" else "of a class of this package"
+    return f"it is not {known}"
 
 
 def _read_object(value: Json, path: str) -> object:

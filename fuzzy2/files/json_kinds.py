@@ -32,6 +32,14 @@ def malformed(path: str, reason: str) -> MalformedFile:
     return MalformedFile("document", path, reason)
 
 
+def at(path: str) -> str:
+    """Return where a part of a saved object is, as messages say it; the object itself is nowhere.
+
+    The ``$`` of a path stands for the document, which somebody who saves an object has not seen.
+    """
+    return "" if path == "$" else f" at {path.removeprefix('$').removeprefix('.')}"
+
+
 def shown(value: Json) -> str:
     """Return a value as messages show it, cut off after 60 characters."""
     try:
@@ -44,7 +52,7 @@ def shown(value: Json) -> str:
 def _write_number(value: Any, path: str) -> Json:
     number = float(value)
     if math.isnan(number):
-        raise NotExpressible(f"NaN at {path}", "JSON", "it is not a number")
+        raise NotExpressible(f"NaN{at(path)}", "JSON", "it is not a number")
     return number if math.isfinite(number) else "inf" if number > 0.0 else "-inf"
 
 
@@ -175,7 +183,7 @@ def norm_of(known: Mapping[str, Any], name: str) -> Kind:
         written = value.name
         if known.get(written) is not value:
             raise NotExpressible(
-                f"the {name} {written!r} at {path}",
+                f"the {name} {written!r}{at(path)}",
                 "JSON",
                 f"only {', '.join(known)} have names; it is a function",
             )

@@ -16,6 +16,7 @@ from fuzzy2.files.json_kinds import (
     TEXT,
     Json,
     Kind,
+    at,
     choice_of,
     malformed,
     read_list,
@@ -47,7 +48,7 @@ def _write_tree(tree: Antecedent, path: str) -> Json:
                 return {"hedge": hedge.name, "function": known[0], "of": of}
             if hedge.power is None:
                 raise NotExpressible(
-                    f"the hedge {hedge.name!r} at {path}", "JSON", "it is a Python function"
+                    f"the hedge {hedge.name!r}{at(path)}", "JSON", "it is a Python function"
                 )
             return {"hedge": hedge.name, "power": hedge.power, "of": _write_tree(part, path)}
     return {"is": [tree.variable, tree.term]}

@@ -38,7 +38,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, NotApplicable
-from fuzzy2.support.checks import Array, of_kind, positive, real, reals
+from fuzzy2.support.checks import Array, finite_rows, of_kind, positive, real, reals
 from fuzzy2.support.described import Described
 from fuzzy2.support.pieces import pieces
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
@@ -139,33 +139,34 @@ class AdaptiveConsequents(Described):
 
         Parameters
         ----------
-        X : (..., p) array_like
-            Inputs.
-        y : (..., m) array_like
-            Measured outputs.
+        X : (..., p) array_like, mapping or data frame
+            Inputs. Named columns are matched with the system's inputs, as in ``system(X)``.
+        y : (..., m) array_like, mapping or data frame
+            Measured outputs. Several named columns are matched with the names of the outputs.
 
         Returns
         -------
         (..., m) ndarray
-            Error of the system at each sample before it learned from the sample. NaN where no rule
-            fires; such a sample does not affect any rule and is skipped.
+            Error of the system at each sample before it learned from the sample. Where firing
+            strengths underflow, their ratios follow from logarithms, as in the system. NaN where no
+            rule fires, beyond the ends of bounded terms; such a sample does not affect any rule and
+            is skipped.
 
         Raises
         ------
         InvalidValue
-            If inputs or outputs are not finite or have a wrong shape. None of the samples has then
-            been used.
+            If there is no sample, or inputs or outputs are not finite or have a wrong shape. None
+            of the samples has then been used.
         """
         from fuzzy2.learning import adaptation_kernels
 
-        inputs, shape = self._rows("X", X, len(self._given.inputs))
-        outputs, other = self._rows("y", y, self._given.n_outputs)
+        inputs, shape = _rows("X", self._given.ordered_inputs(X), len(self._given.inputs))
+        outputs, other = _rows("y", self._given.ordered_outputs(y), self._given.n_outputs)
         if shape != other:
-            raise InvalidValue(
-                "y",
-                np.shape(y),
-                f"of shape {(*shape, self._given.n_outputs)}, one row for each of X",
-            )
+            wanted = f"of shape {(*shape, self._given.n_outputs)}, one row for each of X"
+            raise InvalidValue("y", (*other, self._given.n_outputs), wanted)
+        if not len(inputs):
+            raise InvalidValue("X", (*shape, len(self._given.inputs)), "at least one sample")
         errors = np.empty_like(outputs)
         for part in pieces(len(inputs)):
             adaptation_kernels.learn(
@@ -184,7 +185,7 @@ class AdaptiveConsequents(Described):
                 self._orders,
                 errors[part],
             )
-        return errors.reshape(*shape, -1)
+        return errors.reshape(*shape, self._given.n_outputs)
 
     def __call__(self, X: ArrayLike) -> Array:
         """Return the crisp outputs (..., m) at inputs (..., p), as :attr:`system` does.
@@ -198,12 +199,12 @@ class AdaptiveConsequents(Described):
         """
         from fuzzy2.learning import adaptation_kernels
 
-        inputs, shape = self._rows("X", X, len(self._given.inputs))
+        inputs, shape = _rows("X", self._given.ordered_inputs(X), len(self._given.inputs))
         out = np.empty((len(inputs), self._given.n_outputs))
         table, consequents, orders = self._table, self._consequents, self._orders.copy()
         for part in pieces(len(inputs)):
             adaptation_kernels.evaluate(table, inputs[part], consequents, orders, out[part])
-        return out.reshape(*shape, -1)
+        return out.reshape(*shape, self._given.n_outputs)
 
     @property
     def consequents(self) -> Array:
@@ -229,14 +230,13 @@ class AdaptiveConsequents(Described):
         """A new system with the current consequents; everything else is as trained."""
         return self._given.replace(consequents=self.consequents)
 
-    def _rows(self, name: str, values: ArrayLike, width: int) -> tuple[Array, tuple[int, ...]]:
-        """Return finite values (..., width) as rows, and their leading shape."""
-        array = reals(name, values)
-        if array.shape[-1:] != (width,) or not np.isfinite(array).all():
-            raise InvalidValue(name, array, f"finite and of shape (..., {width})")
-        # Arrays are made writable, because numba would compile every loop again for read-only ones.
-        rows: Array = np.require(array, np.float64, ["C", "W"]).reshape(-1, width)
-        return rows, array.shape[:-1]
+
+def _rows(name: str, array: Array, width: int) -> tuple[Array, tuple[int, ...]]:
+    """Return finite values (..., width) as rows, and their leading shape."""
+    finite_rows(name, array, array.shape[-1:] == (width,), f"(..., {width})")
+    # Arrays are made writable, because numba would compile every loop again for read-only ones.
+    rows: Array = np.require(array, np.float64, ["C", "W"]).reshape(-1, width)
+    return rows, array.shape[:-1]
 
 
 def _by_output(consequents: Array) -> Array:

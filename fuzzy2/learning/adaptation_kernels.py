@@ -17,7 +17,9 @@ from numpy.typing import NDArray
 
 from fuzzy2.support.checks import Array
 from fuzzy2.support.compiled import compiled
+from fuzzy2.systems.firing_kernels import VANISHED, _fire
 from fuzzy2.systems.kernels import firing
+from fuzzy2.systems.log_firing_kernels import log_fire
 
 SWEEPS = 10
 """Sweeps of coordinate descent for each solution with active bounds."""
@@ -112,6 +114,84 @@ def basis(
         _sort(points, order)
         _end(points, order, strengths, largest, row % 2 == 0, out[row])
     return True
+
+
+@compiled
+def _is_lost(strengths):
+    """Return whether an end may depend on firing strengths (2 R,) that underflow.
+
+    It decides as ``fuzzy2.systems.log_firing_kernels.lost``.
+    """
+    least = math.inf
+    for r in range(strengths.size // 2):
+        if strengths[2 * r] >= VANISHED:
+            return False
+        least = min(least, strengths[2 * r + 1])
+    return least < VANISHED
+
+
+@compiled
+def _far_end(points, order, low, high, left, used, out):
+    """Do as ``_end`` with logarithms of firing strengths, so that no ratio of them underflows.
+
+    At least one upper strength must be above 0. The weights are those of the first switch point
+    after which the average moves inward.
+    """
+    rules, count = points.size, 0
+    for i in range(rules):
+        r = order[i] if left else order[rules - 1 - i]
+        out[r] = 0.0
+        if high[r] > -math.inf:
+            used[count] = r
+            count += 1
+    first, best, switch = points[used[0]], math.inf, 1
+    for k in range(1, count + 1):
+        largest, mass, moment = -math.inf, 0.0, 0.0
+        for i in range(count):
+            largest = max(largest, high[used[i]] if i < k else low[used[i]])
+        for i in range(count):
+            weight = math.exp((high[used[i]] if i < k else low[used[i]]) - largest)
+            mass += weight
+            moment += weight * abs(points[used[i]] - first)
+        if moment / mass > best:
+            break
+        if moment / mass < best:
+            best, switch = moment / mass, k
+    largest, mass = -math.inf, 0.0
+    for i in range(count):
+        largest = max(largest, high[used[i]] if i < switch else low[used[i]])
+    for i in range(count):
+        out[used[i]] = math.exp((high[used[i]] if i < switch else low[used[i]]) - largest)
+        mass += out[used[i]]
+    for i in range(count):
+        out[used[i]] /= mass
+
+
+@compiled
+def _far_basis(table, x, consequents, orders, out):
+    """Do as ``basis`` where firing strengths underflow, with their logarithms.
+
+    Controllers that adapt call ``basis`` alone: so far from all terms they trust no rule.
+    """
+    rules, fires = int(table[2]), False
+    deepest = int(table[int(table[5]) + 3]) if table[5] > 0.0 else 0
+    grades, stack = np.empty(2 * int(table[1])), np.empty(2 * deepest)
+    low, high, used = np.empty(rules), np.empty(rules), np.empty(rules, np.int64)
+    _fire(table, x, 0, 0.0, grades, low, high, stack)
+    log_fire(table, x, 0, 0.0, grades, low, high, stack)
+    for r in range(rules):
+        fires = fires or high[r] > -math.inf
+    for row in range(consequents.shape[0] if fires else 0):
+        _sort(consequents[row], orders[row])
+        _far_end(consequents[row], orders[row], low, high, row % 2 == 0, used, out[row])
+    return fires
+
+
+@compiled
+def _any_basis(table, x, consequents, orders, strengths, out):
+    """Do as ``basis``, as far from all terms as the system itself answers."""
+    fires = basis(table, x, consequents, orders, strengths, out)
+    return _far_basis(table, x, consequents, orders, out) if _is_lost(strengths) else fires
 
 
 @compiled
@@ -308,7 +388,7 @@ def learn(  # noqa: PLR0913 (compiled: plain arrays and numbers, no object)
     strengths, phi = np.empty(2 * rules), np.empty((2 * outputs, rules))
     row, trial, factor = np.empty(size), np.empty(size), np.empty((size, size))
     for n in range(x.shape[0]):
-        if not basis(table, x[n], _by_end(consequents), _by_end(orders), strengths, phi):
+        if not _any_basis(table, x[n], _by_end(consequents), _by_end(orders), strengths, phi):
             errors[n, :] = math.nan
             continue
         for j in range(outputs):
@@ -340,7 +420,7 @@ def evaluate(
     outputs, rules = consequents.shape[0], consequents.shape[2]
     strengths, phi = np.empty(2 * rules), np.empty((2 * outputs, rules))
     for n in range(x.shape[0]):
-        fires = basis(table, x[n], _by_end(consequents), _by_end(orders), strengths, phi)
+        fires = _any_basis(table, x[n], _by_end(consequents), _by_end(orders), strengths, phi)
         for j in range(outputs):
             total = 0.0
             for r in range(rules):

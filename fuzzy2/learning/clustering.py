@@ -22,7 +22,15 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue
 from fuzzy2.learning.samples import weights_of
-from fuzzy2.support.checks import Array, binary_exponent, generator, real, reals, whole_number
+from fuzzy2.support.checks import (
+    Array,
+    binary_exponent,
+    finite_rows,
+    generator,
+    real,
+    reals,
+    whole_number,
+)
 
 TOLERANCE = 1e-9
 """The iteration has converged if no membership changes by more than this."""
@@ -114,8 +122,7 @@ class Clusters:
         """
         points = reals("X", X)
         width = self.centers.shape[1]
-        if points.shape[-1:] != (width,) or not np.isfinite(points).all():
-            raise InvalidValue("X", points, f"finite and of shape (..., {width})")
+        finite_rows("X", points, points.shape[-1:] == (width,), f"(..., {width})")
         # Points and centers are scaled by the larger of both, so that squares of distant points do
         # not overflow.
         scale = binary_exponent(np.concatenate([points.ravel(), self.centers.ravel()]))
@@ -184,8 +191,8 @@ def fuzzy_c_means(
         clusters, or if an argument is outside its range.
     """
     samples = reals("X", X)
-    if samples.ndim != 2 or 0 in samples.shape or not np.isfinite(samples).all():
-        raise InvalidValue("X", samples, "finite and of shape (N, p), a row for each sample")
+    fits = samples.ndim == 2 and 0 not in samples.shape
+    finite_rows("X", samples, fits, "(N, p), a row for each sample, and not empty")
     power = checked_fuzzifier(fuzzifier)
     whole_number("n_clusters", n_clusters, 1)
     whole_number("starts", starts, 1)

@@ -22,6 +22,7 @@ from fuzzy2.learning.samples import LEAST_RANGE, check_scale
 from fuzzy2.learning.tunable_system import TunableSystem
 from fuzzy2.support.checks import (
     Array,
+    finite_rows,
     generator,
     of_kind,
     positive,
@@ -77,10 +78,11 @@ def fine_tune(
         uncertain mean or standard deviation, and its consequents numbers, intervals or linear
         functions. The t-norm must be the product or the minimum, and the type reduction center of
         sets.
-    X : (N, p) array_like
-        Inputs of the samples.
-    y : (N,) or (N, m) array_like
-        Outputs of the samples.
+    X : (N, p) array_like, mapping or data frame
+        Inputs of the samples. Named columns are matched with the system's inputs, as in
+        ``system(X)``.
+    y : (N,) or (N, m) array_like, mapping or data frame
+        Outputs of the samples. Several named columns are matched with the names of the outputs.
     rng : numpy.random.Generator
         Chooses the validation samples.
     learning_rate : float
@@ -122,10 +124,6 @@ def fine_tune(
     if not 0.0 < real("validation_share", validation_share, between) < 1.0:
         raise InvalidValue("validation_share", validation_share, between)
     generator("rng", rng)
-    if len(inputs) < 2:
-        raise InvalidValue(
-            "X", inputs.shape, "at least 2 samples, to learn from one and validate with the other"
-        )
     order = rng.permutation(len(inputs))
     held_back = min(max(1, round(validation_share * len(inputs))), len(inputs) - 1)
     validation, training = order[:held_back], order[held_back:]
@@ -178,13 +176,19 @@ def fine_tune(
 
 def _samples(system: FuzzySystem, X: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
     of_kind("system", system, FuzzySystem, "a fuzzy system")
-    inputs, outputs = reals("X", X), reals("y", y)
+    # The index of a Series names samples, not outputs.
+    inputs = system.ordered_inputs(X)
+    outputs = reals("y", y) if np.ndim(y) == 1 else system.ordered_outputs(y)
     if outputs.ndim == 1:
         outputs = outputs[:, np.newaxis]
-    if inputs.ndim != 2 or inputs.shape[1] != len(system.inputs) or not np.isfinite(inputs).all():
-        raise InvalidValue("X", inputs, f"finite and of shape (N, {len(system.inputs)})")
-    if outputs.shape != (len(inputs), system.n_outputs) or not np.isfinite(outputs).all():
-        raise InvalidValue("y", outputs, f"finite and of shape ({len(inputs)}, {system.n_outputs})")
+    fits = inputs.ndim == 2 and inputs.shape[1] == len(system.inputs)
+    finite_rows("X", inputs, fits, f"(N, {len(system.inputs)})")
+    if len(inputs) < 2:
+        raise InvalidValue(
+            "X", inputs.shape, "at least 2 samples, to learn from one and validate with the other"
+        )
+    shape = (len(inputs), system.n_outputs)
+    finite_rows("y", outputs, outputs.shape == shape, f"{shape}, one row for each of X")
     check_scale("y", outputs)
     return inputs, outputs
 

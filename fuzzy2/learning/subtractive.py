@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue
 from fuzzy2.learning.samples import LEAST_RANGE, weights_of
-from fuzzy2.support.checks import Array, binary_exponent, positive, reals
+from fuzzy2.support.checks import Array, binary_exponent, finite_rows, positive, reals
 
 ACCEPTED, REJECTED = 0.5, 0.15
 """Potentials relative to the first one; above them a sample is a center, below it is not."""
@@ -84,8 +84,8 @@ def subtractive_clustering(
         If the samples are not a table of finite numbers, or if an argument is outside its range.
     """
     samples = reals("X", X)
-    if samples.ndim != 2 or 0 in samples.shape or not np.isfinite(samples).all():
-        raise InvalidValue("X", samples, "finite and of shape (N, p), a row for each sample")
+    fits = samples.ndim == 2 and 0 not in samples.shape
+    finite_rows("X", samples, fits, "(N, p), a row for each sample, and not empty")
     reach, wider = positive("radius", radius), positive("squash", squash)
     # The lengths are divided by them and then squared.
     for name, length in (

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue
-from fuzzy2.support.checks import Array, listed, reals, whole_number
+from fuzzy2.support.checks import Array, finite_rows, listed, reals, whole_number
 
 
 class Lagged(NamedTuple):
@@ -53,8 +53,9 @@ def lagged(series: ArrayLike, lags: Sequence[int], horizon: int = 1) -> Lagged:
     ([[4.0, 0.0], [9.0, 1.0]], [9.0, 16.0])
     """
     values = reals("series", series)
-    if values.ndim not in (1, 2) or not np.isfinite(values).all():
-        raise InvalidValue("series", values, "finite numbers of shape (T,) or (T, m)")
+    if values.ndim not in (1, 2):
+        raise InvalidValue("series", values.shape, "of shape (T,) or (T, m)")
+    finite_rows("series", values if values.ndim == 2 else values[:, np.newaxis], True, "(T, m)")
     numbers = [whole_number("lags", lag, 0) for lag in listed("lags", lags, "whole numbers")]
     if not numbers or len(set(numbers)) != len(numbers):
         raise InvalidValue("lags", lags, "at least one, all different")

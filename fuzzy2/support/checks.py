@@ -121,6 +121,29 @@ def reals(name: str, values: ArrayLike, requirement: str = "real numbers") -> Ar
     raise InvalidValue(name, values, requirement)
 
 
+def finite_rows(name: str, values: Array, fits: bool, shape: str) -> None:
+    """Raise :class:`InvalidValue` if samples have another shape, or a row that is not finite.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    values : (..., p) ndarray
+        The samples.
+    fits : bool
+        Whether they have the shape that is wanted.
+    shape : str
+        That shape, as the message says it.
+    """
+    if not fits:
+        raise InvalidValue(name, values.shape, f"of shape {shape}")
+    bad = np.argwhere(~np.isfinite(values).all(axis=-1))
+    if len(bad):
+        place = tuple(int(index) for index in bad[0])
+        where = f"[{', '.join(map(str, place))}]" if place else ""
+        raise InvalidValue(f"{name}{where}", values[place], "finite")
+
+
 def whole_number(name: str, value: object, least: int, most: int = MOST) -> int:
     """Return a whole number between the least and the greatest one; refuse anything else."""
     if (

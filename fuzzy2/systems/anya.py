@@ -269,7 +269,7 @@ class AnYaSystem(Shown):
         except NotApplicable:
             steps = STEP * np.array([1.0 + np.ptp(cloud) for cloud in self.clouds])
             found = central_differences(self, rows, steps)
-        return np.asarray(found.reshape(*x.shape[:-1], -1, len(self.clouds)))
+        return np.asarray(found.reshape(*x.shape[:-1], len(self.output_names), len(self.clouds)))
 
     def _slopes(self, rows: Array, firing: Array) -> Array:
         """Return the derivatives (n, R, p) of relative densities (n, R)."""

@@ -303,6 +303,7 @@ class GeneralType2System(FuzzySystem):
                     shares=self.shares,
                     integration=self.integration,
                     fuzzifier=fuzzifiers,
+                    input_names=self.input_names,
                     input_ranges=self.input_ranges,
                     output_ranges=ranges,
                     resolution=self.resolution,

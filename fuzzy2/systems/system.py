@@ -462,13 +462,20 @@ class FuzzySystem(Shown):
         """
         return self._table.copy() if self._is_compiled and self._table is not None else None
 
+    def ordered_inputs(self, X: Any) -> Array:
+        """Return inputs, given by position or by name, as an array in the order of the inputs."""
+        return reals("X", by_name(X, self.input_names, self._named))
+
+    def ordered_outputs(self, y: Any) -> Array:
+        """Return measured outputs, given by position or by name, in the order of the outputs."""
+        default = checked_names("output_names", None, self.n_outputs, "y")
+        # A single column needs no name to be recognized.
+        named = self.n_outputs > 1 and self.output_names != default
+        return reals("y", by_name(y, self.output_names, named, "y", "output"))
+
     def _rows(self, X: ArrayLike) -> tuple[tuple[int, ...], Array]:
         """Return the leading shape and the inputs as (n, p)."""
-        given = (
-            X
-            if type(X) is np.ndarray and X.dtype.kind == "f"
-            else reals("X", by_name(X, self.input_names, self._named))
-        )
+        given = X if type(X) is np.ndarray and X.dtype.kind == "f" else self.ordered_inputs(X)
         if given.shape[-1:] != (len(self.inputs),) or given.ndim == 0:
             raise InvalidValue("X", given.shape, f"of shape (..., {len(self.inputs)})")
         # Arrays are made writable, because numba would compile every loop again for read-only ones.
@@ -744,9 +751,13 @@ class FuzzySystem(Shown):
         The derivatives are analytic (:mod:`fuzzy2.systems.gradients`) for center of sets, height,
         modified height, their α-planes and the Gaussian corollary, with singleton fuzzifiers, terms
         that have a ``derivative``, and continuous named t-norms. In all other cases they are
-        sixth-order differences: for centroid, center of sums, other t-norms and fuzzifiers, and if
-        terms are functional or sampled type-2 sets, Gaussian type-2 sets whose spread is a
-        function, or user-defined sets.
+        sixth-order differences: for all other type reductions, t-norms and fuzzifiers; for the
+        methods ``"nie_tan"``, ``"wu_mendel"`` and ``"begian_melek_mendel"``; for rules with *or*,
+        *not*, groups or hedges, and rules without a consequent for some output; for default
+        outputs; for consequents that are formulas; and if terms are functional or sampled type-2
+        sets, Gaussian type-2 sets whose spread is a function, or user-defined sets.
+        :attr:`without_formula` names the first part of the rules, consequents and methods that has
+        no formula.
 
         At a kink the analytic derivative is the right-hand one, toward greater :math:`x_i`, and
         jumps of memberships are ignored. Differences mix both sides within 3/1000 of the terms'

@@ -165,6 +165,15 @@ def test_what_a_system_cannot_be_is_named(old: str, new: str, place: int, said: 
         ("(20, 0) (60, 1)", "(60, 0) (20, 1)", 8, "ascending"),
         ("DEFAULT := 0;", "DEFAULT : 0;", 18, "DEFAULT"),
         ("END_RULEBLOCK", "", 38, "FUNCTION_BLOCK"),
+        (
+            "silent := 0;\n  TERM loud := 8",
+            "silent := (0,0) (1,1) (2,0); TERM loud := (0,0) (1,1)",
+            22,
+            r"METHOD : COGS of 'horn' averages .* Triangular\(left=0\.0, .*; take COG",
+        ),
+        ("goes on *)", "goes on", 1, r"the comment \(\* has no end; close it with \*\)"),
+        ("/* OR follows */", "/* OR follows", 31, r"the comment /\* has no end"),
+        ("// one line", "@", 4, "expected .*VAR"),
     ],
 )
 def test_what_is_wrong_is_said_with_its_line(old: str, new: str, place: int, said: str) -> None:

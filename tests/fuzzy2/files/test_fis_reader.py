@@ -454,6 +454,20 @@ def test_sets_that_cross_are_averaged_as_they_are_by_nie_and_tan() -> None:
     assert crossed > 3
 
 
+@pytest.mark.parametrize("number", ["-2", "5.5", "-pi/2"])
+def test_a_single_number_needs_no_brackets(number: str) -> None:
+    """MATLAB evaluates the text, to which brackets around one number mean nothing."""
+    X = np.random.default_rng(0).uniform(0.0, 10.0, (20, 2))
+    bare, bracketed = (
+        parse_fis(edits(SUGENO, ("'constant',[5]", f"'constant',{text}")))
+        for text in (number, f"[{number}]")
+    )
+    np.testing.assert_array_equal(bare(X), bracketed(X))
+    for bad in ("", "-2 3", "[2", "2]", "two"):
+        with pytest.raises(MalformedFile):
+            parse_fis(edits(SUGENO, ("'constant',[5]", f"'constant',{bad}")))
+
+
 @pytest.mark.parametrize("low", [0.0, -2.0])
 @pytest.mark.parametrize("method", ["Karnik-Mendel", "WM", "BMM(0.3,0.6)"])
 def test_a_linear_function_for_each_end(low: float, method: str) -> None:

@@ -69,6 +69,32 @@ def test_what_is_no_file_of_any_format_is_refused(tmp_path: Path) -> None:
     assert not (tmp_path / "a.docx").exists()
 
 
+@pytest.mark.parametrize("suffix", [".fis", ".json"])
+def test_learners_say_what_to_save_instead(tmp_path: Path, suffix: str) -> None:
+    """The remedy works, and nothing that JSON does not hold is sent there."""
+    data = np.random.default_rng(0).normal(size=(30, 2))
+    learned = fuzzy2.FuzzyClassifier().fit(data, data[:, 0] > 0.0)
+    path = tmp_path / f"a{suffix}"
+    adaptive = fuzzy2.AdaptiveConsequents(learned.system_)
+    for thing, said in (
+        (learned, "save its system_"),
+        (adaptive, "save its system"),
+        (fuzzy2.FuzzyClassifier(), "call fit, and save its system_"),
+        (None, "it is not a system, a set or a list of rules"),
+        ([], "it is not a system, a set or a list of rules"),
+    ):
+        with pytest.raises(NotExpressible) as caught:
+            fuzzy2.save(thing, path)
+        assert str(caught.value).endswith(said)
+        assert "use JSON" not in str(caught.value)
+        assert "$" not in str(caught.value)
+    for system in (learned.system_, adaptive.system):
+        fuzzy2.save(system, tmp_path / "a.json")
+        np.testing.assert_array_equal(fuzzy2.load(tmp_path / "a.json")(data), system(data))
+    with pytest.raises(NotExpressible, match="only systems can; use JSON"):
+        fuzzy2.save(fuzzy2.Gaussian(0, 1), tmp_path / "a.fis")
+
+
 def test_the_dialect_reaches_reader_and_writer(tmp_path: Path) -> None:
     system = parse_fis(TIPPER.replace("AndMethod='min'", "AndMethod='einstein_product'"))
     fuzzy2.save(system, tmp_path / "a.fis", dialect="octave")

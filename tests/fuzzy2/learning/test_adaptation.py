@@ -347,13 +347,76 @@ def test_one_by_one_or_all_at_once_and_what_is_given_stays(system: FuzzySystem) 
 
 
 def test_a_sample_that_fires_no_rule_is_passed_over() -> None:
-    system = type1()
+    terms = [
+        [Triangular(-3.0, -1.0, 1.0), Triangular(-1.0, 1.0, 3.0)],
+        [Gaussian(-2.0, 1.0), Gaussian(0.0, 0.7), Gaussian(2.0, 1.1)],
+    ]
+    system = Type1System(terms, GRID, type1().consequents)
     adaptive = AdaptiveConsequents(system)
     far = [1e3, 0.0]
+    assert np.isnan(system(far)).all()
     assert np.isnan(adaptive(far)).all()
     assert np.isnan(adaptive.update(far, [1.0, 1.0])).all()
     np.testing.assert_array_equal(adaptive.consequents, system.consequents)
     np.testing.assert_array_equal(adaptive.covariance, np.tile(np.eye(6), (2, 1, 1)))
+
+
+@pytest.mark.parametrize(
+    "system", [type1(), type2(), type2(intervals=True)], ids=["type-1", "type-2", "intervals"]
+)
+@pytest.mark.parametrize("x", [[1e3, 0.0], [1e6, -1e6], [-40.0, 3.0], [27.0, -27.0]])
+def test_far_from_all_terms_it_learns_as_the_system_answers(
+    system: FuzzySystem, x: list[float]
+) -> None:
+    """By logarithms, as firing strengths underflow: one sample against its least squares."""
+    assert system.firing(x)[:, 0].max() < 1e-280
+    adaptive = AdaptiveConsequents(system, trust=0.5)
+    before = system(x)
+    np.testing.assert_allclose(adaptive(x), before, rtol=1e-12)
+    errors = adaptive.update(x, [3.0, -2.0])
+    np.testing.assert_allclose(errors, [3.0, -2.0] - before, rtol=1e-12)
+    np.testing.assert_allclose(adaptive(x), adaptive.system(x), rtol=1e-12)
+    # The error shrinks by κ / (κ + φφ), and φφ is 1/4 at least, as each end adds up to 1.
+    assert (np.abs([3.0, -2.0] - adaptive(x)) < 0.99 * np.abs(errors)).all()
+
+
+@settings(max_examples=50, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), intervals=st.booleans())
+def test_near_and_far_the_outputs_are_those_of_the_system(seed: int, intervals: bool) -> None:
+    rng = np.random.default_rng(seed)
+    system = type2(seed, 3, intervals)
+    X = rng.normal(size=(20, 2)) * 10.0 ** rng.uniform(0.0, 6.0, (20, 2))
+    np.testing.assert_allclose(AdaptiveConsequents(system)(X), system(X), rtol=0.0, atol=1e-10)
+
+
+def test_columns_of_a_frame_are_matched_by_name() -> None:
+    pandas = pytest.importorskip("pandas")
+    system = type1().replace(input_names=["a", "b"], output_names=["p", "q"])
+    X, Y = samples(20)
+    inputs, outputs = (
+        pandas.DataFrame(X, columns=["a", "b"]),
+        pandas.DataFrame(Y, columns=["p", "q"]),
+    )
+    one, other = AdaptiveConsequents(system), AdaptiveConsequents(system)
+    errors = one.update(X, Y)
+    np.testing.assert_array_equal(other.update(inputs[["b", "a"]], outputs[["q", "p"]]), errors)
+    np.testing.assert_array_equal(other.consequents, one.consequents)
+    np.testing.assert_array_equal(other(inputs[["b", "a"]]), one(X))
+    np.testing.assert_array_equal(
+        other.update({"b": X[0, 1], "a": X[0, 0]}, outputs.loc[0, ["q", "p"]]),
+        one.update(X[0], Y[0]),
+    )
+    with pytest.raises(InvalidValue, match=r"X must .* a has none, got \['c', 'b'\]"):
+        other.update(inputs.rename(columns={"a": "c"}), outputs)
+    with pytest.raises(InvalidValue, match=r"y must .* outputs, and p has none, got \['r', 'q'\]"):
+        other.update(inputs, outputs.rename(columns={"p": "r"}))
+
+
+def test_without_samples_there_is_nothing_to_learn_and_nothing_to_answer() -> None:
+    adaptive = AdaptiveConsequents(type1())
+    with pytest.raises(InvalidValue, match=r"X must be at least one sample, got \(0, 2\)"):
+        adaptive.update(np.zeros((0, 2)), np.zeros((0, 2)))
+    assert adaptive(np.zeros((3, 0, 2))).shape == (3, 0, 2)
 
 
 @pytest.mark.parametrize(
@@ -362,9 +425,10 @@ def test_a_sample_that_fires_no_rule_is_passed_over() -> None:
         ([0.0, math.nan], [0.0, 0.0], "X must be finite"),
         ([0.0, 0.0], [0.0, math.nan], "y must be finite"),
         ([0.0, 0.0], [math.inf, 0.0], "y must be finite"),
-        ([[0.0, 0.0], [math.nan, 0.0]], [[1.0, 1.0], [1.0, 1.0]], "X must be finite"),
-        ([0.0], [0.0, 0.0], r"shape \(\.\.\., 2\)"),
-        ([[0.0, 0.0]], [0.0, 0.0], "one row for each of X"),
+        ([[0.0, 0.0], [math.nan, 0.0]], [[1.0, 1.0], [1.0, 1.0]], r"X\[1\] must be finite"),
+        ([0.0], [0.0, 0.0], r"X must be of shape \(\.\.\., 2\), got \(1,\)"),
+        ([0.0, 0.0], [0.0], r"y must be of shape \(\.\.\., 2\), got \(1,\)"),
+        ([[0.0, 0.0]], [0.0, 0.0], r"one row for each of X, got \(2,\)"),
         (["a", "b"], [0.0, 0.0], "real numbers"),
     ],
 )

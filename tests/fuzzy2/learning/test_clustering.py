@@ -244,7 +244,7 @@ def test_random_numbers_are_the_caller_s() -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (([[0.0], [math.nan]], 1), "X must be finite"),
+        (([[0.0], [math.nan]], 1), r"X\[1\] must be finite"),
         (([0.0, 1.0], 1), "a row for each sample"),
         ((np.empty((0, 2)), 1), "a row for each sample"),
         (([["a"], ["b"]], 1), "real numbers"),
@@ -265,7 +265,7 @@ def test_what_cannot_be_clustered_is_refused(arguments: tuple[Any, ...], words: 
 
 @pytest.mark.parametrize("points", [[1.0, math.nan], [1.0], 1.0, [[1.0, 2.0, 3.0]]])
 def test_points_of_another_kind_have_no_membership(points: Any) -> None:
-    with pytest.raises(InvalidValue, match=r"shape \(\.\.\., 2\)"):
+    with pytest.raises(InvalidValue, match=r"X must be (finite|of shape \(\.\.\., 2\))"):
         fuzzy_c_means(blobs(5), 2).membership(points)
 
 

@@ -211,3 +211,47 @@ def test_arguments_that_cannot_be_meant_are_refused(changes: dict[str, Any], wor
     }
     with pytest.raises(InvalidValue, match=words):
         fine_tune(Type1System(LOW_HIGH, [[0], [1]], [[0.0], [1.0]]), **(arguments | changes))
+
+
+def test_columns_of_a_frame_are_matched_by_name() -> None:
+    pandas = pytest.importorskip("pandas")
+    rng = np.random.default_rng(2)
+    X, Y = samples(rng, 30)
+    system = systems(rng, "product")["type-1"].replace(
+        input_names=["a", "b"], output_names=["p", "q"]
+    )
+    inputs = pandas.DataFrame(X, columns=["a", "b"])
+    outputs = pandas.DataFrame(Y, columns=["p", "q"], index=inputs.index)
+
+    def tuned(X: Any, y: Any, given: FuzzySystem = system) -> Any:
+        return fine_tune(given, X, y, np.random.default_rng(0), most_epochs=3).system.consequents
+
+    expected = tuned(X, Y)
+    np.testing.assert_array_equal(tuned(inputs[["b", "a"]], outputs[["q", "p"]]), expected)
+    np.testing.assert_array_equal(tuned({"b": X[:, 1], "a": X[:, 0]}, Y), expected)
+    for frame in (inputs.rename(columns={"a": "c"}), inputs[["a"]]):
+        with pytest.raises(InvalidValue, match="X must be values of all inputs") as caught:
+            tuned(frame, Y)
+        with pytest.raises(InvalidValue) as of_system:
+            system(frame)
+        assert str(caught.value) == str(of_system.value)
+    # The index of a Series, or the name of a single column, may be any.
+    single = system.replace(consequents=np.asarray(system.consequents)[:, :1], output_names=["p"])
+    column = outputs["q"].set_axis([f"sample {i}" for i in range(len(Y))])
+    expected = tuned(X, Y[:, 1], single)
+    np.testing.assert_array_equal(tuned(inputs, column, single), expected)
+    np.testing.assert_array_equal(tuned(inputs, outputs[["q"]], single), expected)
+
+
+def test_samples_of_a_wrong_shape_are_refused_with_their_shape() -> None:
+    rng = np.random.default_rng(2)
+    X, Y = samples(rng, 30)
+    system, source = systems(rng, "product")["type-1"], np.random.default_rng(0)
+    for bad_X, bad_y, said in (
+        (X, Y[:4], r"y must be of shape \(30, 2\), one row for each of X, got \(4, 2\)"),
+        (X[:, :1], Y, r"X must be of shape \(N, 2\), got \(30, 1\)"),
+        (X, np.where(Y[3] == Y, np.nan, Y), r"y\[3\] must be finite, got \[nan nan\]"),
+        (np.zeros((0, 2)), np.zeros((0, 2)), r"X must be at least 2 samples.* got \(0, 2\)"),
+    ):
+        with pytest.raises(InvalidValue, match=said):
+            fine_tune(system, bad_X, bad_y, source)

@@ -131,6 +131,7 @@ def test_gradient_is_that_of_differences(number: int) -> None:
         expected = (system(X + step) - system(X - step)) / 2e-5
         np.testing.assert_allclose(found[..., j], expected, atol=1e-6)
     np.testing.assert_array_equal(system.gradient(X[0]), found[0])
+    assert system.gradient(X[:0]).shape == (0, 1, 3)
 
 
 def test_gradient_at_a_datum_is_that_of_the_right_side() -> None:

@@ -53,7 +53,8 @@ def test_all_ways_are_one() -> None:
         ({"a": 1.0}, "b has none"),
         ({"a": 1.0, "c": 1.0}, "unknown input 'c'"),
         ({"a": [1.0, 2.0], "b": [1.0, 2.0, 3.0]}, "shapes that go together"),
-        (Frame(a=[1.0], c=[2.0]), "b has none"),
+        (Frame(a=[1.0], c=[2.0]), r"b has none, got \['a', 'c'\]"),
+        (Frame(d=[1.0], c=[2.0]), r"a, b have none, got \['d', 'c'\]"),
     ],
 )
 def test_what_does_not_name_the_inputs_is_refused(given: Any, said: str) -> None:
@@ -64,6 +65,37 @@ def test_what_does_not_name_the_inputs_is_refused(given: Any, said: str) -> None
 def test_columns_of_a_frame_are_taken_in_order_where_nobody_named_the_inputs() -> None:
     system = Type1System([[G(0, 1)], [G(1, 1)]], [[0, -1], [-1, 0]], [[0.0], [1.0]])
     np.testing.assert_array_equal(system(Frame(p=[0.3], q=[0.6])), system([[0.3, 0.6]]))
+
+
+def test_a_column_that_occurs_twice_is_refused() -> None:
+    pandas = pytest.importorskip("pandas")
+    with pytest.raises(InvalidValue, match="one column for each input: a is repeated"):
+        SYSTEM(pandas.DataFrame([[1.0, 2.0, 3.0]] * 2, columns=["a", "a", "b"]))
+
+
+def test_a_mask_is_refused_with_what_was_given() -> None:
+    masked = np.ma.masked_invalid([1.0, np.inf])
+    with pytest.raises(InvalidValue, match=r"without a mask.*got masked_array\(data=\[1\.0, --\]"):
+        SYSTEM(masked)
+
+
+@pytest.mark.parametrize("name", ["firing", "coverage", "validity", "gradient", "type_reduced"])
+@pytest.mark.parametrize("kind", [Type1System, IntervalType2System, GeneralType2System])
+def test_every_question_matches_columns_by_name(kind: type[FuzzySystem], name: str) -> None:
+    """Also those that a plane of a general type-2 system answers."""
+    terms = SYSTEM.inputs
+    if kind is GeneralType2System:
+        terms = tuple(tuple(fuzzy2.GaussianType2Set(one, 0.1) for one in own) for own in terms)
+    system = kind(terms, SYSTEM.rules, SYSTEM.consequents, input_names=["a", "b"])
+    a, b = np.array([0.1, 0.5]), np.array([2.0, 1.0])
+    ask = getattr(system, name)
+    np.testing.assert_array_equal(ask(Frame(b=b, a=a)), ask(np.stack([a, b], axis=-1)))
+    np.testing.assert_array_equal(
+        list(system.embedded_outputs({"b": 2.0, "a": 0.1}, 3)),
+        list(system.embedded_outputs([0.1, 2.0], 3)),
+    )
+    with pytest.raises(InvalidValue, match="have none"):
+        ask(Frame(c=b, d=a))
 
 
 @pytest.mark.parametrize(
