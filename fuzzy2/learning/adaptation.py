@@ -160,8 +160,8 @@ class AdaptiveConsequents(Described):
         """
         from fuzzy2.learning import adaptation_kernels
 
-        inputs, shape = _rows("X", self._given.ordered_inputs(X), len(self._given.inputs))
-        outputs, other = _rows("y", self._given.ordered_outputs(y), self._given.n_outputs)
+        inputs, shape = _rows("X", self._given._ordered_inputs(X), len(self._given.inputs))
+        outputs, other = _rows("y", self._given._ordered_outputs(y), self._given.n_outputs)
         if shape != other:
             wanted = f"of shape {(*shape, self._given.n_outputs)}, one row for each of X"
             raise InvalidValue("y", (*other, self._given.n_outputs), wanted)
@@ -199,7 +199,7 @@ class AdaptiveConsequents(Described):
         """
         from fuzzy2.learning import adaptation_kernels
 
-        inputs, shape = _rows("X", self._given.ordered_inputs(X), len(self._given.inputs))
+        inputs, shape = _rows("X", self._given._ordered_inputs(X), len(self._given.inputs))
         out = np.empty((len(inputs), self._given.n_outputs))
         table, consequents, orders = self._table, self._consequents, self._orders.copy()
         for part in pieces(len(inputs)):

@@ -177,8 +177,8 @@ def fine_tune(
 def _samples(system: FuzzySystem, X: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
     of_kind("system", system, FuzzySystem, "a fuzzy system")
     # The index of a Series names samples, not outputs.
-    inputs = system.ordered_inputs(X)
-    outputs = reals("y", y) if np.ndim(y) == 1 else system.ordered_outputs(y)
+    inputs = system._ordered_inputs(X)
+    outputs = reals("y", y) if np.ndim(y) == 1 else system._ordered_outputs(y)
     if outputs.ndim == 1:
         outputs = outputs[:, np.newaxis]
     fits = inputs.ndim == 2 and inputs.shape[1] == len(system.inputs)

@@ -462,11 +462,11 @@ class FuzzySystem(Shown):
         """
         return self._table.copy() if self._is_compiled and self._table is not None else None
 
-    def ordered_inputs(self, X: Any) -> Array:
+    def _ordered_inputs(self, X: Any) -> Array:
         """Return inputs, given by position or by name, as an array in the order of the inputs."""
         return reals("X", by_name(X, self.input_names, self._named))
 
-    def ordered_outputs(self, y: Any) -> Array:
+    def _ordered_outputs(self, y: Any) -> Array:
         """Return measured outputs, given by position or by name, in the order of the outputs."""
         default = checked_names("output_names", None, self.n_outputs, "y")
         # A single column needs no name to be recognized.
@@ -475,7 +475,7 @@ class FuzzySystem(Shown):
 
     def _rows(self, X: ArrayLike) -> tuple[tuple[int, ...], Array]:
         """Return the leading shape and the inputs as (n, p)."""
-        given = X if type(X) is np.ndarray and X.dtype.kind == "f" else self.ordered_inputs(X)
+        given = X if type(X) is np.ndarray and X.dtype.kind == "f" else self._ordered_inputs(X)
         if given.shape[-1:] != (len(self.inputs),) or given.ndim == 0:
             raise InvalidValue("X", given.shape, f"of shape (..., {len(self.inputs)})")
         # Arrays are made writable, because numba would compile every loop again for read-only ones.
