@@ -176,9 +176,10 @@ def fine_tune(
 
 def _samples(system: FuzzySystem, X: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
     of_kind("system", system, FuzzySystem, "a fuzzy system")
-    # The index of a Series names samples, not outputs.
     inputs = system._ordered_inputs(X)
-    outputs = reals("y", y) if np.ndim(y) == 1 else system._ordered_outputs(y)
+    # The index of a Series names samples, not outputs.
+    is_column = getattr(y, "ndim", None) == 1
+    outputs = reals("y", y) if is_column else system._ordered_outputs(y)
     if outputs.ndim == 1:
         outputs = outputs[:, np.newaxis]
     fits = inputs.ndim == 2 and inputs.shape[1] == len(system.inputs)
