@@ -404,6 +404,22 @@ def test_words_and_buttons_are_whole_and_apart_at_any_width(
         assert one[2] <= other[0] or other[2] <= one[0] or one[3] <= other[1] or other[3] <= one[1]
 
 
+def test_labels_of_slim_robots_are_not_cut_off(
+    browser: webdriver.Chrome, sagging: psp3.Result, exact: psp3.Result
+) -> None:
+    """A name may be wider than its robot, and reach over an edge of the page."""
+    names = "computed torque with a long name"
+    results = {f"{names}, {k}": one for k, one in enumerate((sagging, exact))}
+    open_scene(browser, Scene(ROBOT).animate(results), 500, 900)
+    ends = browser.execute_script(
+        "return labels.map(({element}) => { const box = element.getBoundingClientRect();"
+        "return [box.left, box.right]; })"
+    )
+    assert len(ends) == 2
+    for left, right in ends:
+        assert 0.0 <= left < right <= 500.0
+
+
 def test_results_without_a_sample_are_refused(sagging: psp3.Result) -> None:
     with pytest.raises(InvalidValue, match="one simulation result or more"):
         Scene(ROBOT).animate({})
